@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <dragcore/surface.hpp>
+#include <string>
+
+namespace dragcore {
+
+/// The pillow effect: air that has met the leading part of a face cushions the trailing part, so that the force acts ahead of the centroid.
+/// Every form displaces the points where the pressure acts, and never changes the size of the force; only windward pressure is displaced.
+enum class PillowForm {
+  none,
+  triangle,  ///< the note's: circular falloff measured over each triangle. Depends on the triangulation (erratum E13)
+  patch,     ///< circular falloff measured over the connected planar patch: does not depend on the triangulation
+  tilt,      ///< falloff 1 - factor * t (2 s - 1) over the patch, t the tangential fraction: vanishes at normal incidence by itself
+};
+
+struct Pillow {
+  PillowForm form = PillowForm::none;
+  double factor = 0.0;  ///< the note's alpha in [0, 1], or kappa of the tilt form in [0, 1.5]
+};
+
+std::string to_string(PillowForm form);
+PillowForm pillow_form_from(const std::string& word);  ///< @throws std::invalid_argument with the known words
+
+/// Falloff f(s) = alpha sqrt(1 - s^2) + 1 - alpha over a triangle whose vertices lie at s = 0, beta, 1 along the flow.
+/// Returns the barycentric weights (first, middle, last) of the point where the force acts: all in (0, 1), sum 1, for every beta in [0, 1].
+/// Accuracy 1e-14. @source [toskan2020] sec. 2.1, in the form of docs/model.md, which has no axes and no singular case.
+Eigen::Vector3d triangle_pillow_weights(double beta, double alpha);
+
+/// Displacement from the centroid of a triangle to the point where its pressure acts, for air that moves with velocity u relative to it [m].
+/// Zero where u has no tangential part, and for a triangle seen end-on along the flow.
+Eigen::Vector3d triangle_pillow_shift(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, const Eigen::Vector3d& u, double alpha);
+
+/// The same over a planar patch, s measured from its leading to its trailing edge along the flow: exact integrals over the outline, so that
+/// the triangles inside do not matter. Accuracy 1e-13 of the chord.
+Eigen::Vector3d patch_pillow_shift(const Patch& patch, const Eigen::Vector3d& u, double alpha);
+
+/// The tilt form: -kappa (2/L) M2 u_t/|u|, with M2 the second moment of the patch per area, L its chord along the flow, u_t the tangential velocity.
+Eigen::Vector3d tilt_pillow_shift(const Patch& patch, const Eigen::Vector3d& u, double kappa);
+
+/// The note's factor, faded out towards normal incidence where the flow over the face has no direction: alpha * smoothstep((1 - c) / 0.25).
+double faded_pillow_factor(double alpha, double c);
+
+}  // namespace dragcore

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <dragcore/mesh.hpp>
+#include <vector>
+
+namespace dragcore {
+
+/// A planar patch: connected triangles in one plane, with the outline and moments that the pillow effect needs.
+struct Patch {
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+  double area = 0.0;
+  Eigen::Matrix3d second_moment = Eigen::Matrix3d::Zero();  ///< integral of (r - centroid)(r - centroid)^T over the patch / area [m^2]
+  /// Outline, corner to corner, as directed segments that keep the patch on their left seen against the normal; holes included.
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> outline;
+};
+
+/// A mesh prepared once for any number of evaluations. Triangles as structure of arrays (one column per component, contiguous).
+/// Triangles without area are dropped: they carry no force.
+class Surface {
+ public:
+  enum class Sides { one, two };
+
+  /// @param mesh   body frame; wound outwards when closed
+  /// @param sides  `two` for sheets: both faces of every triangle feel the air
+  /// @throws std::invalid_argument  as validate(mesh) does; for a closed mesh that is inside out, or one with inconsistent winding and one side:
+  ///                                the message says how to repair it
+  explicit Surface(const TriangleMesh& mesh, Sides sides = Sides::one);
+
+  Eigen::Index size() const { return area.size(); }
+  bool two_sided() const { return sides == Sides::two; }
+
+  Eigen::ArrayX3d normal;    ///< unit, outward
+  Eigen::ArrayX3d centroid;  ///< [m]
+  Eigen::ArrayX3d edge_ab, edge_ac;  ///< from the first vertex to the second and third [m]
+  Eigen::ArrayXd area;       ///< [m^2]
+  std::vector<int> patch;    ///< index into `patches` of every triangle
+  std::vector<Patch> patches;
+  Sides sides = Sides::one;
+};
+
+}  // namespace dragcore

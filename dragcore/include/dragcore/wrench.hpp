@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+namespace dragcore {
+
+/// Force [N] and torque [N m] about a stated point.
+struct Wrench {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();
+
+  Wrench& operator+=(const Wrench& other) {
+    force += other.force;
+    torque += other.torque;
+    return *this;
+  }
+};
+
+/// What a part of the wrench is caused by.
+enum class Term { windward_pressure, leeward_suction, count };
+
+/// A wrench split by cause, so that an error can be traced to its culprit.
+struct WrenchByTerm {
+  std::array<Wrench, static_cast<std::size_t>(Term::count)> terms;
+
+  Wrench& operator[](Term term) { return terms[static_cast<std::size_t>(term)]; }
+  const Wrench& operator[](Term term) const { return terms[static_cast<std::size_t>(term)]; }
+  Wrench total() const {
+    Wrench sum;
+    for (const Wrench& term : terms) sum += term;
+    return sum;
+  }
+};
+
+}  // namespace dragcore

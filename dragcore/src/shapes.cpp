@@ -1,0 +1,450 @@
+#include <dragcore/shapes.hpp>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+namespace dragcore {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::Vector3i;
+using std::numbers::pi;
+
+template <class... Ts>
+struct Overload : Ts... {
+  using Ts::operator()...;
+};
+
+void require(bool good, const char* shape, const char* parameter, double value, const char* needed) {
+  if (good && std::isfinite(value)) return;
+  std::ostringstream message;
+  message << shape << ": " << parameter << " = " << value << ", but it must be " << needed;
+  throw std::invalid_argument(message.str());
+}
+void require_positive(const char* shape, const char* parameter, double value) {
+  require(value > 0.0, shape, parameter, value, "finite and greater than 0 (metres)");
+}
+
+void check(const Plate& s) {
+  require_positive("plate", "chord", s.chord);
+  require_positive("plate", "span", s.span);
+  require(s.thickness >= 0.0, "plate", "thickness", s.thickness, "finite and at least 0 (metres; 0 makes a sheet)");
+}
+void check(const Box& s) {
+  require_positive("box", "length", s.length);
+  require_positive("box", "width", s.width);
+  require_positive("box", "height", s.height);
+}
+void check(const Cone& s) {
+  require_positive("cone", "diameter", s.diameter);
+  require(s.apex_angle > 0.0 && s.apex_angle < pi, "cone", "apex_angle", s.apex_angle, "between 0 and pi, both excluded (radians, the full angle)");
+}
+void check(const Sphere& s) { require_positive("sphere", "diameter", s.diameter); }
+void check(const Cylinder& s) {
+  require_positive("cylinder", "diameter", s.diameter);
+  require_positive("cylinder", "length", s.length);
+}
+void check(const Ellipsoid& s) {
+  require_positive("ellipsoid", "semi_x", s.semi_x);
+  require_positive("ellipsoid", "semi_y", s.semi_y);
+  require_positive("ellipsoid", "semi_z", s.semi_z);
+}
+void check(const Teardrop& s) {
+  require_positive("teardrop", "diameter", s.diameter);
+  require(s.length > s.diameter, "teardrop", "length", s.length, "greater than its diameter");
+}
+
+double cone_height(const Cone& s) { return 0.5 * s.diameter / std::tan(0.5 * s.apex_angle); }
+
+/// The teardrop's parts, x measured from the nose: where sphere and cone touch, and the volumes and centroids of the two.
+struct TeardropParts {
+  double radius, centre_to_tail, x_joint, r_joint, volume_sphere, volume_cone, centroid;
+};
+TeardropParts parts(const Teardrop& s) {
+  const double r = 0.5 * s.diameter, d = s.length - r;
+  const double beyond = r * r / d;       // the tangent circle lies this far behind the sphere's centre
+  const double cap = r + beyond;         // height of the part of the sphere that is kept
+  const double cone = d - beyond;        // height of the cone
+  TeardropParts p{};
+  p.radius = r;
+  p.centre_to_tail = d;
+  p.x_joint = cap;
+  p.r_joint = r * std::sqrt(1.0 - (r / d) * (r / d));
+  p.volume_sphere = pi * cap * cap * (3.0 * r - cap) / 3.0;
+  p.volume_cone = pi * p.r_joint * p.r_joint * cone / 3.0;
+  const double centroid_sphere = r - 0.75 * (2.0 * r - cap) * (2.0 * r - cap) / (3.0 * r - cap);
+  const double centroid_cone = cap + 0.25 * cone;
+  p.centroid = (p.volume_sphere * centroid_sphere + p.volume_cone * centroid_cone) / (p.volume_sphere + p.volume_cone);
+  return p;
+}
+
+double ellipsoid_area(const Ellipsoid& s) {
+  std::array<double, 3> axis{s.semi_x, s.semi_y, s.semi_z};
+  std::sort(axis.begin(), axis.end(), std::greater<>());
+  const auto [a, b, c] = axis;
+  // Within 1e-6 of a sphere the elliptic integrals are 0/0; the mean of the products is exact to the second order there.
+  if (a - c < 1e-6 * a) return 4.0 * pi * (a * b + b * c + c * a) / 3.0;
+  const double phi = std::acos(c / a), sin_phi = std::sin(phi), cos_phi = c / a;
+  const double k = std::min(1.0, (a / b) * std::sqrt((b * b - c * c) / (a * a - c * c)));
+  return 2.0 * pi * c * c + 2.0 * pi * a * b / sin_phi * (std::ellint_2(k, phi) * sin_phi * sin_phi + std::ellint_1(k, phi) * cos_phi * cos_phi);
+}
+
+void check_divisions(int divisions) {
+  if (divisions < 1 || divisions > 4096)
+    throw std::invalid_argument("triangulate: divisions = " + std::to_string(divisions) + ", but it must be from 1 to 4096");
+}
+
+/// The six faces of a box as lattices; vertices of neighbouring faces are equal to the bit, and joined at the end.
+TriangleMesh box_mesh(const Vector3d& size, const Vector3i& divisions) {
+  TriangleMesh mesh;
+  const auto coordinate = [&](int axis, int i) { return size[axis] * (static_cast<double>(i) / divisions[axis] - 0.5); };
+  for (int axis = 0; axis < 3; ++axis) {
+    const int a = (axis + 1) % 3, b = (axis + 2) % 3;  // right-handed: a x b = axis
+    for (const int end : {0, divisions[axis]}) {
+      const int first = static_cast<int>(mesh.vertices.size());
+      const auto index = [&](int i, int j) { return first + i * (divisions[b] + 1) + j; };
+      for (int i = 0; i <= divisions[a]; ++i)
+        for (int j = 0; j <= divisions[b]; ++j) {
+          Vector3d v;
+          v[axis] = coordinate(axis, end);
+          v[a] = coordinate(a, i);
+          v[b] = coordinate(b, j);
+          mesh.vertices.push_back(v);
+        }
+      for (int i = 0; i < divisions[a]; ++i)
+        for (int j = 0; j < divisions[b]; ++j) {
+          Vector3i lower(index(i, j), index(i + 1, j), index(i + 1, j + 1)), upper(index(i, j), index(i + 1, j + 1), index(i, j + 1));
+          if (end == 0) std::swap(lower[1], lower[2]), std::swap(upper[1], upper[2]);
+          mesh.triangles.push_back(lower);
+          mesh.triangles.push_back(upper);
+        }
+    }
+  }
+  return welded(mesh);
+}
+
+/// A rectangle in the plane z = 0, normal +z.
+TriangleMesh sheet_mesh(double chord, double span, int n) {
+  TriangleMesh mesh;
+  const auto index = [n](int i, int j) { return i * (n + 1) + j; };
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n; ++j)
+      mesh.vertices.emplace_back(chord * (static_cast<double>(i) / n - 0.5), span * (static_cast<double>(j) / n - 0.5), 0.0);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      mesh.triangles.emplace_back(index(i, j), index(i + 1, j), index(i + 1, j + 1));
+      mesh.triangles.emplace_back(index(i, j), index(i + 1, j + 1), index(i, j + 1));
+    }
+  return mesh;
+}
+
+/// The eight faces of an octahedron, each split n x n, pushed out onto the unit sphere and stretched.
+TriangleMesh ellipsoid_mesh(const Vector3d& semi_axes, int n) {
+  TriangleMesh mesh;
+  for (int octant = 0; octant < 8; ++octant) {
+    const Vector3d sign(octant & 1 ? -1 : 1, octant & 2 ? -1 : 1, octant & 4 ? -1 : 1);
+    const int first = static_cast<int>(mesh.vertices.size());
+    // Row i has n - i + 1 points; integer coordinates (n-i-j, i, j) make the shared edges equal to the bit.
+    const auto index = [&](int i, int j) { return first + i * (n + 1) - i * (i - 1) / 2 + j; };
+    for (int i = 0; i <= n; ++i)
+      for (int j = 0; j <= n - i; ++j)
+        mesh.vertices.push_back(Vector3d(n - i - j, i, j).normalized().cwiseProduct(sign).cwiseProduct(semi_axes));
+    const bool mirrored = sign.prod() < 0;
+    const auto add = [&](int a, int b, int c) { mesh.triangles.push_back(mirrored ? Vector3i(a, c, b) : Vector3i(a, b, c)); };
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n - i; ++j) {
+        add(index(i, j), index(i + 1, j), index(i, j + 1));
+        if (j + 1 < n - i) add(index(i + 1, j), index(i + 1, j + 1), index(i, j + 1));
+      }
+  }
+  // -0.0 and 0.0 are the same place: welded() compares values.
+  return welded(mesh);
+}
+
+/// The surface swept by a profile (x, r) that starts and ends on the axis and runs from nose to tail.
+TriangleMesh revolved_mesh(const std::vector<Vector2d>& profile, int segments) {
+  TriangleMesh mesh;
+  const int rings = static_cast<int>(profile.size()) - 2;
+  mesh.vertices.emplace_back(profile.front().x(), 0.0, 0.0);
+  for (int ring = 1; ring <= rings; ++ring)
+    for (int k = 0; k < segments; ++k) {
+      const double angle = 2.0 * pi * k / segments;
+      mesh.vertices.emplace_back(profile[ring].x(), profile[ring].y() * std::cos(angle), profile[ring].y() * std::sin(angle));
+    }
+  mesh.vertices.emplace_back(profile.back().x(), 0.0, 0.0);
+  const int tail = static_cast<int>(mesh.vertices.size()) - 1;
+  const auto index = [segments](int ring, int k) { return 1 + (ring - 1) * segments + k % segments; };
+  for (int k = 0; k < segments; ++k) {
+    mesh.triangles.emplace_back(0, index(1, k + 1), index(1, k));
+    for (int ring = 1; ring < rings; ++ring) {
+      mesh.triangles.emplace_back(index(ring, k), index(ring, k + 1), index(ring + 1, k + 1));
+      mesh.triangles.emplace_back(index(ring, k), index(ring + 1, k + 1), index(ring + 1, k));
+    }
+    mesh.triangles.emplace_back(tail, index(rings, k), index(rings, k + 1));
+  }
+  return mesh;
+}
+
+void append_segment(std::vector<Vector2d>& profile, const Vector2d& to, int divisions) {
+  const Vector2d from = profile.back();
+  for (int i = 1; i <= divisions; ++i) profile.push_back(i == divisions ? to : Vector2d(from + (to - from) * (static_cast<double>(i) / divisions)));
+}
+
+}  // namespace
+
+ShapeProperties properties(const Shape& shape) {
+  return std::visit(
+      Overload{[](const Plate& s) {
+                 check(s);
+                 const bool sheet = s.thickness == 0.0;
+                 ShapeProperties p;
+                 p.area = sheet ? s.chord * s.span : 2.0 * (s.chord * s.span + s.thickness * (s.chord + s.span));
+                 p.volume = s.chord * s.span * s.thickness;
+                 p.reference_area = s.chord * s.span;
+                 p.reference_length = p.length_x = s.chord;
+                 p.nose_x = -0.5 * s.chord;
+                 p.half_extent = 0.5 * Vector3d(s.chord, s.span, s.thickness);
+                 return p;
+               },
+               [](const Box& s) {
+                 check(s);
+                 ShapeProperties p;
+                 p.area = 2.0 * (s.length * s.width + s.width * s.height + s.height * s.length);
+                 p.volume = s.length * s.width * s.height;
+                 p.reference_area = s.width * s.height;
+                 p.reference_length = p.length_x = s.length;
+                 p.nose_x = -0.5 * s.length;
+                 p.half_extent = 0.5 * Vector3d(s.length, s.width, s.height);
+                 return p;
+               },
+               [](const Cone& s) {
+                 check(s);
+                 const double r = 0.5 * s.diameter, h = cone_height(s);
+                 ShapeProperties p;
+                 p.area = pi * r * (r + std::hypot(r, h));
+                 p.volume = pi * r * r * h / 3.0;
+                 p.reference_area = pi * r * r;
+                 p.reference_length = s.diameter;
+                 p.length_x = h;
+                 p.nose_x = -0.75 * h;
+                 p.half_extent = Vector3d(0.5 * h, r, r);
+                 return p;
+               },
+               [](const Sphere& s) {
+                 check(s);
+                 const double r = 0.5 * s.diameter;
+                 ShapeProperties p;
+                 p.area = 4.0 * pi * r * r;
+                 p.volume = 4.0 / 3.0 * pi * r * r * r;
+                 p.reference_area = pi * r * r;
+                 p.reference_length = p.length_x = s.diameter;
+                 p.nose_x = -r;
+                 p.half_extent = Vector3d(r, r, r);
+                 return p;
+               },
+               [](const Cylinder& s) {
+                 check(s);
+                 const double r = 0.5 * s.diameter;
+                 ShapeProperties p;
+                 p.area = 2.0 * pi * r * (r + s.length);
+                 p.volume = pi * r * r * s.length;
+                 p.reference_area = pi * r * r;
+                 p.reference_length = s.diameter;
+                 p.length_x = s.length;
+                 p.nose_x = -0.5 * s.length;
+                 p.half_extent = Vector3d(0.5 * s.length, r, r);
+                 return p;
+               },
+               [](const Ellipsoid& s) {
+                 check(s);
+                 ShapeProperties p;
+                 p.area = ellipsoid_area(s);
+                 p.volume = 4.0 / 3.0 * pi * s.semi_x * s.semi_y * s.semi_z;
+                 p.reference_length = 2.0 * std::cbrt(s.semi_x * s.semi_y * s.semi_z);
+                 p.reference_area = 0.25 * pi * p.reference_length * p.reference_length;
+                 p.length_x = 2.0 * s.semi_x;
+                 p.nose_x = -s.semi_x;
+                 p.half_extent = Vector3d(s.semi_x, s.semi_y, s.semi_z);
+                 return p;
+               },
+               [](const Teardrop& s) {
+                 check(s);
+                 const TeardropParts t = parts(s);
+                 const double slant = std::sqrt(t.centre_to_tail * t.centre_to_tail - t.radius * t.radius);
+                 ShapeProperties p;
+                 p.area = 2.0 * pi * t.radius * t.x_joint + pi * t.r_joint * slant;
+                 p.volume = t.volume_sphere + t.volume_cone;
+                 p.reference_area = pi * t.radius * t.radius;
+                 p.reference_length = s.diameter;
+                 p.length_x = s.length;
+                 p.nose_x = -t.centroid;
+                 p.half_extent = Vector3d(0.5 * s.length, t.radius, t.radius);
+                 return p;
+               }},
+      shape);
+}
+
+TriangleMesh triangulate(const Shape& shape, int n) {
+  check_divisions(n);
+  const ShapeProperties exact = properties(shape);
+  return std::visit(
+      Overload{[&](const Plate& s) {
+                 return s.thickness == 0.0 ? sheet_mesh(s.chord, s.span, n) : box_mesh(Vector3d(s.chord, s.span, s.thickness), Vector3i(n, n, 1));
+               },
+               [&](const Box& s) { return box_mesh(Vector3d(s.length, s.width, s.height), Vector3i(n, n, n)); },
+               [&](const Cone& s) {
+                 std::vector<Vector2d> profile{{exact.nose_x, 0.0}};
+                 append_segment(profile, {exact.nose_x + exact.length_x, 0.5 * s.diameter}, n);
+                 append_segment(profile, {exact.nose_x + exact.length_x, 0.0}, n);
+                 return revolved_mesh(profile, 4 * n);
+               },
+               [&](const Sphere&) { return ellipsoid_mesh(exact.half_extent, n); },
+               [&](const Cylinder& s) {
+                 std::vector<Vector2d> profile{{exact.nose_x, 0.0}};
+                 append_segment(profile, {exact.nose_x, 0.5 * s.diameter}, n);
+                 append_segment(profile, {-exact.nose_x, 0.5 * s.diameter}, n);
+                 append_segment(profile, {-exact.nose_x, 0.0}, n);
+                 return revolved_mesh(profile, 4 * n);
+               },
+               [&](const Ellipsoid&) { return ellipsoid_mesh(exact.half_extent, n); },
+               [&](const Teardrop& s) {
+                 const TeardropParts t = parts(s);
+                 const double end = pi - std::atan2(t.r_joint, t.x_joint - t.radius);  // polar angle of the joint, from the nose
+                 const int arcs = 2 * n;
+                 std::vector<Vector2d> profile{{exact.nose_x, 0.0}};
+                 for (int i = 1; i <= arcs; ++i) {
+                   const double angle = end * i / arcs;
+                   profile.emplace_back(exact.nose_x + t.radius * (1.0 - std::cos(angle)), t.radius * std::sin(angle));
+                 }
+                 append_segment(profile, {exact.nose_x + s.length, 0.0}, n);
+                 return revolved_mesh(profile, 4 * n);
+               }},
+      shape);
+}
+
+bool mirror_symmetric(const Shape& shape, const Vector3d& normal_body) {
+  const double length = normal_body.norm();
+  if (!(length > 0.0) || !std::isfinite(length)) throw std::invalid_argument("mirror_symmetric: the normal must be finite and not zero");
+  const Vector3d m = normal_body / length;
+  constexpr double tolerance = 1e-9;  // angles come from degrees in files: a few ulps of 180 deg
+  const Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity() - 2.0 * m * m.transpose();
+  // A box is carried onto itself when the mirror permutes its axes and the sides along them are equal; an ellipsoid when its quadric is unchanged.
+  const auto box_symmetric = [&](const Vector3d& size) {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const double entry = std::abs(mirror(i, j));
+        if (std::min(entry, std::abs(1.0 - entry)) > tolerance) return false;
+        if (entry > 0.5 && std::abs(size[i] - size[j]) > tolerance * size.maxCoeff()) return false;
+      }
+    return true;
+  };
+  const auto round_symmetric = [&](bool fore_and_aft) { return std::abs(m.x()) < tolerance || (fore_and_aft && std::abs(m.x()) > 1.0 - tolerance); };
+  return std::visit(Overload{[&](const Plate& s) { return box_symmetric({s.chord, s.span, s.thickness}); },
+                             [&](const Box& s) { return box_symmetric({s.length, s.width, s.height}); },
+                             [&](const Cone&) { return round_symmetric(false); },
+                             [&](const Sphere&) { return true; },
+                             [&](const Cylinder&) { return round_symmetric(true); },
+                             [&](const Ellipsoid& s) {
+                               const Vector3d axes(s.semi_x, s.semi_y, s.semi_z);
+                               const Eigen::Matrix3d quadric = (axes / axes.minCoeff()).cwiseProduct(axes / axes.minCoeff()).cwiseInverse().asDiagonal();
+                               return (mirror * quadric * mirror - quadric).cwiseAbs().maxCoeff() < tolerance;
+                             },
+                             [&](const Teardrop&) { return round_symmetric(false); }},
+                    shape);
+}
+
+namespace {
+
+bool is_cube(const Box& box) { return box.length == box.width && box.width == box.height; }
+
+constexpr double degrees = 180.0 / pi;
+
+using Parameters = std::map<std::string, double>;
+
+/// Takes the known parameters out of a map and complains about what is left.
+class ParameterReader {
+ public:
+  ParameterReader(std::string_view kind, const Parameters& given) : kind_(kind), left_(given) {}
+  double operator()(const std::string& name, double fallback) {
+    known_ += (known_.empty() ? "" : ", ") + name;
+    const auto found = left_.find(name);
+    if (found == left_.end()) return fallback;
+    const double value = found->second;
+    left_.erase(found);
+    return value;
+  }
+  void finish() const {
+    if (!left_.empty()) throw std::invalid_argument(kind_ + ": unknown parameter '" + left_.begin()->first + "'; it takes: " + known_);
+  }
+
+ private:
+  std::string kind_, known_;
+  Parameters left_;
+};
+
+}  // namespace
+
+std::string kind(const Shape& shape) {
+  return std::visit(Overload{[](const Plate&) { return "plate"; }, [](const Box& s) { return is_cube(s) ? "cube" : "box"; }, [](const Cone&) { return "cone"; },
+                             [](const Sphere&) { return "sphere"; }, [](const Cylinder&) { return "cylinder"; },
+                             [](const Ellipsoid&) { return "ellipsoid"; }, [](const Teardrop&) { return "teardrop"; }},
+                    shape);
+}
+
+std::map<std::string, double> parameters(const Shape& shape) {
+  return std::visit(Overload{[](const Plate& s) { return Parameters{{"chord", s.chord}, {"span", s.span}, {"thickness", s.thickness}}; },
+                             [](const Box& s) {
+                               return is_cube(s) ? Parameters{{"side", s.length}}
+                                                 : Parameters{{"length", s.length}, {"width", s.width}, {"height", s.height}};
+                             },
+                             [](const Cone& s) { return Parameters{{"diameter", s.diameter}, {"apex_angle_deg", s.apex_angle * degrees}}; },
+                             [](const Sphere& s) { return Parameters{{"diameter", s.diameter}}; },
+                             [](const Cylinder& s) { return Parameters{{"diameter", s.diameter}, {"length", s.length}}; },
+                             [](const Ellipsoid& s) { return Parameters{{"semi_x", s.semi_x}, {"semi_y", s.semi_y}, {"semi_z", s.semi_z}}; },
+                             [](const Teardrop& s) { return Parameters{{"diameter", s.diameter}, {"length", s.length}}; }},
+                    shape);
+}
+
+Shape make_shape(std::string_view kind, const Parameters& given) {
+  ParameterReader read(kind, given);
+  Shape shape;
+  if (kind == "plate") {
+    const Plate d;
+    shape = Plate{.chord = read("chord", d.chord), .span = read("span", d.span), .thickness = read("thickness", d.thickness)};
+  } else if (kind == "box") {
+    const Box d;
+    shape = Box{.length = read("length", d.length), .width = read("width", d.width), .height = read("height", d.height)};
+  } else if (kind == "cube") {
+    const double side = read("side", 1.0);
+    shape = Box{.length = side, .width = side, .height = side};
+  } else if (kind == "cone") {
+    const Cone d;
+    shape = Cone{.diameter = read("diameter", d.diameter), .apex_angle = read("apex_angle_deg", d.apex_angle * degrees) / degrees};
+  } else if (kind == "sphere") {
+    shape = Sphere{.diameter = read("diameter", Sphere{}.diameter)};
+  } else if (kind == "cylinder") {
+    const Cylinder d;
+    shape = Cylinder{.diameter = read("diameter", d.diameter), .length = read("length", d.length)};
+  } else if (kind == "ellipsoid") {
+    const Ellipsoid d;
+    shape = Ellipsoid{.semi_x = read("semi_x", d.semi_x), .semi_y = read("semi_y", d.semi_y), .semi_z = read("semi_z", d.semi_z)};
+  } else if (kind == "teardrop") {
+    const Teardrop d;
+    shape = Teardrop{.diameter = read("diameter", d.diameter), .length = read("length", d.length)};
+  } else {
+    throw std::invalid_argument("unknown shape '" + std::string(kind) + "'; known: plate, box, cube, cone, sphere, cylinder, ellipsoid, teardrop");
+  }
+  read.finish();
+  properties(shape);  // checks the ranges
+  return shape;
+}
+
+}  // namespace dragcore

@@ -1,0 +1,115 @@
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <limits>
+
+#include "tests/support/zoo.hpp"
+
+using namespace dragcore;
+using Catch::Matchers::WithinAbs;
+using Catch::Matchers::WithinRel;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+TEST_CASE("what is odd about a mesh is found and said", "[mesh][hard]") {
+  TriangleMesh mesh = triangulate(Box{}, 1);
+  SECTION("a hole") {
+    mesh.triangles.pop_back();
+    CHECK_FALSE(inspect(mesh).closed);
+    CHECK(inspect(mesh).boundary_edges == 3);
+  }
+  SECTION("one triangle the wrong way round") {
+    std::swap(mesh.triangles[3][0], mesh.triangles[3][1]);
+    CHECK_FALSE(inspect(mesh).consistently_wound);
+    CHECK(inspect(mesh).inconsistent_edges == 3);
+    CHECK_THROWS_WITH(Surface(mesh), Catch::Contains("wound in opposite directions at 3 edges"));
+    CHECK_NOTHROW(Surface(mesh, Surface::Sides::two));
+  }
+  SECTION("all of it inside out") {
+    for (auto& t : mesh.triangles) std::swap(t[0], t[1]);
+    CHECK(inspect(mesh).inside_out);
+    CHECK_THROWS_WITH(Surface(mesh), Catch::Contains("inside out"));
+  }
+  SECTION("a triangle twice") {
+    mesh.triangles.push_back(mesh.triangles.front());
+    CHECK(inspect(mesh).duplicated == 1);
+    CHECK_FALSE(inspect(mesh).closed);
+  }
+  SECTION("a needle and a triangle of two points") {
+    mesh.triangles.emplace_back(0, 0, 1);
+    mesh.vertices.push_back(0.5 * (mesh.vertices[0] + mesh.vertices[1]));
+    mesh.triangles.emplace_back(0, 1, static_cast<int>(mesh.vertices.size()) - 1);
+    CHECK(inspect(mesh).degenerate == 2);
+    CHECK(describe(inspect(mesh)).find("2 degenerate") != std::string::npos);
+  }
+  SECTION("a coordinate that is not a number") {
+    mesh.vertices[5].y() = std::numeric_limits<double>::quiet_NaN();
+    CHECK_THROWS_WITH(Surface(mesh), Catch::Contains("vertex 5") && Catch::Contains("finite"));
+  }
+  SECTION("an index out of range") {
+    mesh.triangles[2][1] = 99;
+    CHECK_THROWS_WITH(inspect(mesh), Catch::Contains("triangle 2") && Catch::Contains("vertex 99") && Catch::Contains("8 vertices"));
+  }
+}
+
+TEST_CASE("a needle of 1 : 1e6 is a triangle, not a fault", "[mesh][hard]") {
+  CHECK_FALSE(is_degenerate(Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0.5, 1e-6, 0)));
+  CHECK_FALSE(is_degenerate(1e-160 * Vector3d(0, 0, 0), 1e-160 * Vector3d(1, 0, 0), 1e-160 * Vector3d(0, 1, 0)));
+  CHECK(is_degenerate(Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(2, 0, 0)));
+}
+
+TEST_CASE("an empty mesh is open, without area, and feels nothing", "[mesh][limit]") {
+  const TriangleMesh empty;
+  CHECK_FALSE(inspect(empty).closed);
+  const Wrench total = wrench(Surface(empty), {.wind = Vector3d(1, 2, 3)}, {}, {}).total();
+  CHECK(total.force.isZero(0.0));
+  CHECK(total.torque.isZero(0.0));
+}
+
+TEST_CASE("mirroring and uneven scale keep normals outward and areas right", "[mesh][invariance]") {
+  const TriangleMesh box = triangulate(Box{1, 1, 1}, 3);
+  const Matrix3d stretch = Vector3d(2.0, -1.0, 0.5).asDiagonal();
+  const MeshProperties found = inspect(transformed(box, stretch, Vector3d(5, 6, 7)));
+  CHECK_FALSE(found.inside_out);
+  CHECK_THAT(found.volume, WithinRel(1.0, 1e-13));
+  CHECK_THAT(found.area, WithinRel(2 * (2.0 + 1.0 + 0.5), 1e-13));
+  CHECK((found.centroid - Vector3d(5, 6, 7)).norm() < 1e-13);
+}
+
+TEST_CASE("patches are the faces, whatever the triangulation", "[surface][invariance]") {
+  for (const int divisions : {1, 2, 9}) {
+    const Surface cube(triangulate(Box{1, 1, 1}, divisions));
+    REQUIRE(cube.patches.size() == 6);
+    for (const Patch& patch : cube.patches) {
+      CHECK(patch.outline.size() == 4);
+      CHECK_THAT(patch.area, WithinRel(1.0, 1e-13));
+      CHECK_THAT(patch.second_moment.trace(), WithinRel(1.0 / 6.0, 1e-12));  // 1/12 in each of two directions
+      CHECK((patch.second_moment * patch.normal).norm() < 1e-14);
+    }
+  }
+  // A cone of 4 n sides: one patch a side, and its base.
+  CHECK(Surface(triangulate(Cone{}, 4)).patches.size() == 17);
+}
+
+TEST_CASE("a patch with a hole keeps both outlines", "[surface]") {
+  // A square frame: the outer square of side 3 without the inner one of side 1.
+  const TriangleMesh full = triangulate(Plate{3.0, 3.0, 0.0}, 3);
+  TriangleMesh frame{full.vertices, {}};
+  for (const auto& t : full.triangles) {
+    const Vector3d centre = (full.vertices[t[0]] + full.vertices[t[1]] + full.vertices[t[2]]) / 3.0;
+    if (centre.cwiseAbs().maxCoeff() > 0.5) frame.triangles.push_back(t);
+  }
+  const Surface surface(frame, Surface::Sides::two);
+  REQUIRE(surface.patches.size() == 1);
+  CHECK(surface.patches[0].outline.size() == 8);
+  CHECK_THAT(surface.patches[0].area, WithinRel(8.0, 1e-14));
+}
+
+TEST_CASE("the checksum names a surface", "[mesh]") {
+  const TriangleMesh a = triangulate(Cone{}, 4);
+  TriangleMesh b = a;
+  CHECK(surface_checksum(a) == surface_checksum(b));
+  b.vertices[3].x() += 1e-6;
+  CHECK(surface_checksum(a) != surface_checksum(b));
+  b.vertices[3] = a.vertices[3] * (1.0 + 1e-15);  // another compiler's last digit
+  CHECK(surface_checksum(a) == surface_checksum(b));
+}
