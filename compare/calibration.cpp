@@ -1,0 +1,277 @@
+#include "compare/calibration.hpp"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/interpolators/barycentric_rational.hpp>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <random>
+#include <set>
+#include <stdexcept>
+
+#include "compare/coefficients.hpp"
+#include "compare/prediction.hpp"
+#include "compare/uncertainty.hpp"
+
+namespace compare {
+
+namespace {
+
+using case_record::CaseRecord;
+using dragcore::PillowForm;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+struct Parameter {
+  std::string name;
+  double low, high;
+  double null;  ///< value of the null model
+  double note;  ///< value of the note
+};
+
+/// A fit: residual of one case as a function of the parameters, cheap to evaluate.
+struct Problem {
+  std::vector<Parameter> parameters;
+  std::vector<const CaseRecord*> cases;
+  std::function<double(std::size_t, const double*)> residual;
+
+  VectorXd vector(double Parameter::*member) const {
+    VectorXd values(parameters.size());
+    for (std::size_t i = 0; i < parameters.size(); ++i) values[static_cast<Eigen::Index>(i)] = parameters[i].*member;
+    return values;
+  }
+};
+
+struct Residuals {
+  const Problem* problem;
+  const std::vector<std::size_t>* subset;
+  bool operator()(double const* const* parameters, double* out) const {
+    for (std::size_t i = 0; i < subset->size(); ++i) out[i] = problem->residual((*subset)[i], parameters[0]);
+    return true;
+  }
+};
+
+/// Bounded least squares over a subset of the cases; a case may be in it more than once.
+VectorXd solve(const Problem& problem, const std::vector<std::size_t>& subset) {
+  VectorXd values = problem.vector(&Parameter::null);
+  auto* cost = new ceres::DynamicNumericDiffCostFunction<Residuals, ceres::CENTRAL>(new Residuals{&problem, &subset});
+  cost->AddParameterBlock(static_cast<int>(values.size()));
+  cost->SetNumResiduals(static_cast<int>(subset.size()));
+  ceres::Problem system;
+  system.AddResidualBlock(cost, nullptr, values.data());
+  for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
+    const Parameter& parameter = problem.parameters[i];
+    // A start on the bound would have no room for the difference quotient.
+    values[static_cast<Eigen::Index>(i)] = parameter.low + 0.5 * (std::min(parameter.high, parameter.low + 1.0) - parameter.low);
+    system.SetParameterLowerBound(values.data(), static_cast<int>(i), parameter.low);
+    system.SetParameterUpperBound(values.data(), static_cast<int>(i), parameter.high);
+  }
+  ceres::Solver::Options options;
+  options.logging_type = ceres::SILENT;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.function_tolerance = options.parameter_tolerance = options.gradient_tolerance = 1e-12;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &system, &summary);
+  if (!summary.IsSolutionUsable()) throw std::runtime_error("calibrate: the least-squares solver failed: " + summary.message);
+  return values;
+}
+
+std::vector<std::size_t> all_of(const Problem& problem) {
+  std::vector<std::size_t> subset(problem.cases.size());
+  std::iota(subset.begin(), subset.end(), 0);
+  return subset;
+}
+
+std::string shape_of(const CaseRecord& record) { return dragcore::kind(record.shape); }
+
+/// Shape and orientation: what is left out together.
+std::string pose_of(const CaseRecord& record) {
+  std::string text = shape_of(record);
+  for (const double angle : {record.pose.incidence, record.pose.yaw, record.pose.roll}) text += " " + std::to_string(angle);
+  return text;
+}
+
+/// Residual of every case when the fit has not seen any case of its group.
+std::vector<double> left_out_residuals(const Problem& problem, std::string (*group_of)(const CaseRecord&)) {
+  std::vector<double> residuals(problem.cases.size());
+  std::set<std::string> groups;
+  for (const CaseRecord* record : problem.cases) groups.insert(group_of(*record));
+  for (const std::string& group : groups) {
+    std::vector<std::size_t> rest, out;
+    for (std::size_t i = 0; i < problem.cases.size(); ++i) (group_of(*problem.cases[i]) == group ? out : rest).push_back(i);
+    if (rest.size() <= problem.parameters.size())
+      throw std::invalid_argument("calibrate: only " + std::to_string(rest.size()) + " cases are left without " + group +
+                                  "; solve more shapes or orientations first");
+    const VectorXd values = solve(problem, rest);
+    for (const std::size_t i : out) residuals[i] = problem.residual(i, values.data());
+  }
+  return residuals;
+}
+
+std::vector<double> residuals_at(const Problem& problem, const VectorXd& values) {
+  std::vector<double> residuals;
+  for (std::size_t i = 0; i < problem.cases.size(); ++i) residuals.push_back(problem.residual(i, values.data()));
+  return residuals;
+}
+
+/// Percentile bootstrap over cases: 95 % of the refits to resampled cases.
+std::vector<std::pair<double, double>> bootstrap(const Problem& problem) {
+  constexpr int draws = 400;  // the 2.5 % quantile then rests on ten refits
+  std::mt19937 engine(20200301);
+  MatrixXd values(draws, static_cast<Eigen::Index>(problem.parameters.size()));
+  for (int draw = 0; draw < draws; ++draw) {
+    std::vector<std::size_t> sample(problem.cases.size());
+    for (std::size_t& i : sample) i = engine() % problem.cases.size();
+    values.row(draw) = solve(problem, sample).transpose();
+  }
+  std::vector<std::pair<double, double>> intervals;
+  for (Eigen::Index k = 0; k < values.cols(); ++k) {
+    std::vector<double> column(values.col(k).begin(), values.col(k).end());
+    std::sort(column.begin(), column.end());
+    intervals.emplace_back(column[draws / 40], column[draws - 1 - draws / 40]);
+  }
+  return intervals;
+}
+
+Fit fit(const Problem& problem, const std::string& name, const std::string& target) {
+  Fit result{.name = name, .target = target};
+  for (const CaseRecord* record : problem.cases) result.cases.push_back(record->name);
+  const VectorXd best = solve(problem, all_of(problem));
+  const auto intervals = bootstrap(problem);
+  for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
+    const Parameter& p = problem.parameters[i];
+    const double value = best[static_cast<Eigen::Index>(i)];
+    const bool at_bound = std::min(value - p.low, p.high - value) < 1e-6 * (p.high - p.low);
+    result.estimates.push_back({p.name, value, at_bound ? std::nullopt : std::optional(intervals[i]), at_bound});
+  }
+
+  // Correlation and conditioning from the slopes of the residuals.
+  const auto n = static_cast<Eigen::Index>(problem.cases.size()), m = best.size();
+  MatrixXd slope(n, m);
+  for (Eigen::Index k = 0; k < m; ++k) {
+    constexpr double step = 1e-5;
+    VectorXd up = best, down = best;
+    up[k] += step;
+    down[k] -= step;
+    for (Eigen::Index i = 0; i < n; ++i)
+      slope(i, k) = (problem.residual(static_cast<std::size_t>(i), up.data()) - problem.residual(static_cast<std::size_t>(i), down.data())) / (2 * step);
+    if (slope.col(k).norm() > 0.0) slope.col(k).normalize();
+  }
+  const MatrixXd normal = slope.transpose() * slope;
+  const VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<MatrixXd>(normal).eigenvalues();
+  result.condition_number = eigenvalues.maxCoeff() / std::max(eigenvalues.minCoeff(), 1e-300);
+  const MatrixXd covariance = normal.completeOrthogonalDecomposition().pseudoInverse();
+  for (Eigen::Index i = 0; i < m; ++i) {
+    result.correlation.emplace_back();
+    for (Eigen::Index j = 0; j < m; ++j) result.correlation.back().push_back(covariance(i, j) / std::sqrt(covariance(i, i) * covariance(j, j)));
+  }
+
+  const auto before = residuals_at(problem, problem.vector(&Parameter::null)), note = residuals_at(problem, problem.vector(&Parameter::note));
+  const auto after = residuals_at(problem, best);
+  const auto no_pose = left_out_residuals(problem, pose_of), no_shape = left_out_residuals(problem, shape_of);
+  std::vector<std::string> groups{"all"};
+  for (const CaseRecord* record : problem.cases)
+    if (std::find(groups.begin(), groups.end(), shape_of(*record)) == groups.end()) groups.push_back(shape_of(*record));
+  for (const std::string& group : groups) {
+    FitErrors errors{.group = group};
+    const auto rms = [&](const std::vector<double>& residuals) {
+      double sum = 0.0;
+      errors.n = 0;
+      for (std::size_t i = 0; i < residuals.size(); ++i)
+        if (group == "all" || shape_of(*problem.cases[i]) == group) sum += residuals[i] * residuals[i], ++errors.n;
+      return std::sqrt(sum / errors.n);
+    };
+    errors.before = rms(before);
+    errors.note = rms(note);
+    errors.in_sample = rms(after);
+    errors.left_out_pose = rms(no_pose);
+    errors.left_out_shape = rms(no_shape);
+    result.errors.push_back(errors);
+  }
+  return result;
+}
+
+/// C_D = k_w C_w + k_b C_b: linear, so that the two parts are evaluated once.
+Fit fit_drag(const std::vector<const CaseRecord*>& cases) {
+  std::vector<double> windward, suction, reference;
+  for (const CaseRecord* record : cases) {
+    const dragcore::WrenchByTerm parts = predict(*record, {.law = dragcore::scaled_law(1.0, 1.0)});
+    const double scale = coefficient_scales(*record)[0];
+    windward.push_back(parts[dragcore::Term::windward_pressure].force.x() / scale);
+    suction.push_back(parts[dragcore::Term::leeward_suction].force.x() / scale);
+    reference.push_back(record->load.force().x() / scale);
+  }
+  const Problem problem{.parameters = {{"scale", 0.0, 3.0, 1.0, 1.0}, {"base_suction", 0.0, 3.0, 0.0, 0.0}},
+                        .cases = cases,
+                        .residual = [=](std::size_t i, const double* k) { return k[0] * windward[i] + k[1] * suction[i] - reference[i]; }};
+  Fit result = fit(problem, "C_D: scale and base suction", "C_D");
+  result.model.law = dragcore::scaled_law(result.estimates[0].value, result.estimates[1].value);
+  return result;
+}
+
+Fit fit_pillow(const std::vector<const CaseRecord*>& cases, const dragcore::Law& law, PillowForm form) {
+  // The arm is a smooth function of the factor alone: tabulated per case, interpolated by the fit.
+  const double largest = form == PillowForm::tilt ? 1.5 : 1.0;
+  constexpr int points = 13;
+  std::vector<boost::math::barycentric_rational<double>> curves;
+  std::vector<double> reference;
+  std::vector<const CaseRecord*> used;
+  for (const CaseRecord* record : cases) {
+    const auto measured = force_arm(*record, record->load.force(), record->load.moment());
+    std::vector<double> factor, arm;
+    for (int i = 0; i < points; ++i) {
+      const double value = largest * i / (points - 1);
+      const dragcore::Wrench wrench = predict(*record, {.law = law, .pillow = {form, value}}).total();
+      if (const auto model = force_arm(*record, wrench.force, wrench.torque)) factor.push_back(value), arm.push_back(*model);
+    }
+    if (!measured || arm.size() != points) continue;  // no force, no line of action
+    curves.emplace_back(std::move(factor), std::move(arm), 5);
+    reference.push_back(*measured);
+    used.push_back(record);
+  }
+  const Problem problem{.parameters = {{form == PillowForm::tilt ? "kappa" : "alpha", 0.0, largest, 0.0, 1.0}},
+                        .cases = used,
+                        .residual = [=](std::size_t i, const double* k) { return curves[i](k[0]) - reference[i]; }};
+  Fit result = fit(problem, "pillow " + to_string(form) + " on law " + law.name, "force arm");
+  result.model = {.law = law, .pillow = {form, std::clamp(result.estimates[0].value, 0.0, largest)}};
+  return result;
+}
+
+}  // namespace
+
+const Fit& Calibration::fit(const std::string& name) const {
+  for (const Fit& candidate : fits)
+    if (candidate.name == name) return candidate;
+  throw std::out_of_range("no fit named '" + name + "'");
+}
+
+std::optional<double> force_arm(const CaseRecord& record, const Eigen::Vector3d& force, const Eigen::Vector3d& moment) {
+  const Coefficients c = coefficients(record, force, moment);
+  const double size = c.values.head<3>().norm();
+  if (size < 1e-3) return std::nullopt;
+  return c.values[static_cast<int>(record.pose.yaw != 0.0 ? Channel::yaw : Channel::pitch)] / size;
+}
+
+Calibration calibrate(const std::vector<CaseRecord>& records) {
+  std::vector<const CaseRecord*> cases;
+  for (const CaseFamily& family : case_families(records)) {
+    const CaseRecord& record = *family.record;
+    const std::string shape = shape_of(record);
+    if (is_usable(record.status) && !record.held_out && record.reynolds >= 1e4 && (shape == "plate" || shape == "cube" || shape == "cone"))
+      cases.push_back(&record);
+  }
+  if (cases.size() < 3)
+    throw std::invalid_argument("calibrate: " + std::to_string(cases.size()) +
+                                " usable cases of plate, cube or cone at Re >= 1e4, but at least 3 are needed; run `dragval run quick` first");
+  Calibration calibration;
+  calibration.fits.push_back(fit_drag(cases));
+  const dragcore::Law fitted = calibration.fits.front().model.law;
+  for (const dragcore::Law& law : {dragcore::note_law(), fitted})
+    for (const PillowForm form : {PillowForm::triangle, PillowForm::patch, PillowForm::tilt}) calibration.fits.push_back(fit_pillow(cases, law, form));
+  return calibration;
+}
+
+}  // namespace compare

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <dragcore/drag.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "compare/case_record/case_record.hpp"
+
+namespace compare {
+
+/// A fitted coefficient with its 95 % interval; the interval is empty when the fit has no degrees of freedom left or sits on a bound.
+struct Estimate {
+  std::string name;
+  double value = 0.0;
+  std::optional<std::pair<double, double>> interval;
+  bool at_bound = false;
+};
+
+/// Root-mean-square errors of one quantity over a set of cases.
+struct FitErrors {
+  std::string group;      ///< "all", or a shape
+  int n = 0;
+  double before = 0.0;    ///< the null model: pillow factor 0, or the note's own law with scale 1 and no suction
+  double note = 0.0;      ///< the note's own constant (pillow factor 1; for C_D the same as `before`)
+  double in_sample = 0.0;
+  double left_out_pose = 0.0;   ///< each orientation predicted by a fit to all others
+  double left_out_shape = 0.0;  ///< each shape predicted by a fit to all others
+};
+
+/// One fit: what was adjusted to what, and how well that works on cases it has not seen.
+struct Fit {
+  std::string name;    ///< "C_D: scale and base suction", "pillow tilt on law note"
+  std::string target;  ///< "C_D", "force arm" (distance of the line of action from the centroid / L_ref)
+  std::vector<Estimate> estimates;
+  std::vector<std::vector<double>> correlation;  ///< of the estimates
+  double condition_number = 1.0;                 ///< of the scaled normal matrix
+  std::vector<FitErrors> errors;
+  std::vector<std::string> cases;                ///< names of those used
+  dragcore::Model model;                         ///< with the fitted coefficients
+};
+
+struct Calibration {
+  std::vector<Fit> fits;
+  const Fit& fit(const std::string& name) const;  ///< @throws std::out_of_range
+};
+
+/// Fits scale and base suction of scaled_law() to C_D, then the factor of each pillow form, on the note's law and on the fitted one, to the force arm.
+/// Uses usable cases of plates, cubes and cones at Re >= 1e4 that are not marked held_out; other shapes are never fitted.
+/// @throws std::invalid_argument when fewer than three cases qualify
+Calibration calibrate(const std::vector<case_record::CaseRecord>& records);
+
+/// Distance of the force's line of action from the centroid, over L_ref, signed like the moment that the pose drives.
+/// Empty where the force is below 1e-3 q A_ref.
+std::optional<double> force_arm(const case_record::CaseRecord& record, const Eigen::Vector3d& force, const Eigen::Vector3d& moment);
+
+}  // namespace compare
