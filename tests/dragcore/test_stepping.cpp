@@ -1,0 +1,138 @@
+#include <Eigen/Dense>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <dragcore/stepping.hpp>
+
+#include "tests/support/zoo.hpp"
+
+using namespace dragcore;
+using Catch::Matchers::WithinAbs;
+using Catch::Matchers::WithinRel;
+using Eigen::Vector3d;
+
+namespace {
+
+struct Light {
+  Shape shape;
+  MassProperties body;
+};
+
+/// Paper of 80 g/m^2, a leaf, foam, steel.
+std::vector<Light> bodies() {
+  const auto flat = [](double mass, double a) { return MassProperties{mass, Vector3d(mass * a * a / 12, mass * a * a / 12, mass * a * a / 6).asDiagonal()}; };
+  return {{Plate{0.1, 0.1, 0.0}, flat(8e-4, 0.1)},
+          {Plate{0.055, 0.055, 0.0}, flat(2e-4, 0.055)},
+          {Box{0.1, 0.1, 0.1}, {0.02, 0.02 * 0.01 / 6 * Eigen::Matrix3d::Identity()}},
+          {Box{0.1, 0.1, 0.1}, {7.8, 7.8 * 0.01 / 6 * Eigen::Matrix3d::Identity()}}};
+}
+
+double energy(const MassProperties& body, const Vector6d& v) { return 0.5 * v.dot(body.matrix() * v); }
+Vector6d six(const Vector3d& linear, const Vector3d& angular) { return (Vector6d() << linear, angular).finished(); }
+Vector6d air(const Motion& m) { return six(m.wind, Vector3d::Zero()); }
+Vector6d of(const Motion& m) { return six(m.velocity, m.angular_velocity); }
+
+}  // namespace
+
+TEST_CASE("the secant matrix times the velocity relative to the air is the wrench, and is symmetric and not negative", "[stepping][analytic]") {
+  zoo::Random random(31);
+  for (const Shape& shape : zoo::shapes())
+    for (const Model& model : zoo::models()) {
+      const Surface surface = zoo::surface(shape, 2);
+      const Motion motion = random.motion(2.0, 3.0);
+      const Matrix6d s = resistance(surface, motion, {}, model);
+      const Wrench total = wrench(surface, motion, {}, model).total();
+      CHECK((s * (air(motion) - of(motion)) - six(total.force, total.torque)).norm() < 1e-12 * (1.0 + s.norm() * of(motion).norm()));  // rounding
+      CHECK((s - s.transpose()).norm() == 0.0);
+      CHECK(Eigen::SelfAdjointEigenSolver<Matrix6d>(s).eigenvalues().minCoeff() > -1e-14 * s.norm());
+    }
+}
+
+TEST_CASE("the Jacobian is the derivative of the wrench", "[stepping][analytic]") {
+  zoo::Random random(32);
+  for (const Shape& shape : zoo::shapes())
+    for (const Law& law : {note_law(), consistent_law(), scaled_law(0.8, 0.3)}) {
+      const Surface surface = zoo::surface(shape, 2);
+      const Motion motion = random.motion(2.0, 1.0);
+      const Model model{.law = law};
+      const Matrix6d jacobian = force_jacobian(surface, motion, {}, model);
+      constexpr double step = 1e-6;  // central difference: error 1e-12 of curvature, 1e-10 of rounding; faces that cross edge-on add more
+      for (int k = 0; k < 6; ++k) {
+        const auto moved = [&](double by) {
+          Motion m = motion;
+          (k < 3 ? m.velocity[k] : m.angular_velocity[k - 3]) += by;
+          const Wrench w = wrench(surface, m, {}, model).total();
+          return six(w.force, w.torque);
+        };
+        CHECK(((moved(step) - moved(-step)) / (2 * step) - jacobian.col(k)).norm() < 1e-6 * (1.0 + jacobian.norm()));
+      }
+    }
+}
+
+TEST_CASE("energy relative to the wind never grows, whatever the time step", "[stepping][hard]") {
+  zoo::Random random(33);
+  for (const Light& light : bodies())
+    for (const double dt : {1.0 / 240, 1.0 / 60, 1.0 / 15, 1.0, 100.0})
+      for (int update = 0; update < 3; ++update) {
+        const Surface surface = zoo::surface(light.shape, 2);
+        Motion motion{.wind = random.vector(5.0), .velocity = random.vector(15.0), .angular_velocity = random.vector(40.0)};
+        const Model model{.pillow = {PillowForm::tilt, 0.8}};
+        double before = energy(light.body, of(motion) - air(motion));
+        for (int step = 0; step < 60; ++step) {
+          Vector6d v;
+          if (update < 2) {
+            const Matrix6d s = resistance(surface, motion, {}, model);
+            v = update == 0 ? step_secant_implicit(s, light.body, motion, Vector6d::Zero(), dt) : step_scalar_implicit(s, light.body, motion, Vector6d::Zero(), dt);
+          } else {
+            const Wrench w = wrench(surface, motion, {}, model).total();
+            v = of(motion) + impulse_share(w, light.body, motion, dt) * dt * light.body.matrix().llt().solve(six(w.force, w.torque));
+          }
+          motion.velocity = v.head<3>();
+          motion.angular_velocity = v.tail<3>();
+          const double after = energy(light.body, v - air(motion));
+          REQUIRE(after <= before * (1.0 + 1e-12) + 1e-300);  // rounding of the solve
+          before = after;
+        }
+      }
+}
+
+TEST_CASE("explicit steps of paper explode where the implicit ones stand", "[stepping][regression]") {
+  const Light paper = bodies()[0];
+  const Surface surface = zoo::surface(paper.shape, 2);
+  Motion motion{.velocity = Vector3d(0, 0, 15)};
+  const double before = energy(paper.body, of(motion));
+  for (int step = 0; step < 5; ++step) {
+    const Wrench w = wrench(surface, motion, {}, {}).total();
+    motion.velocity += w.force / paper.body.mass / 30.0;  // z = k v dt = 3.8: beyond 2 every step gains energy
+  }
+  CHECK_FALSE(energy(paper.body, of(motion)) < before);
+}
+
+TEST_CASE("terminal velocity is an exact fixed point of every implicit update", "[stepping][analytic]") {
+  for (const Light& light : bodies()) {
+    const Surface surface = zoo::surface(light.shape, 2);
+    // Face-on the note's law has C_N = 1: m g = rho A v^2 / 2.
+    const double area = surface.patches[0].area, g = 9.81, v = std::sqrt(2 * light.body.mass * g / (1.225 * area));
+    const Motion motion{.velocity = Vector3d(0, 0, -v)};
+    const Vector6d weight = six(Vector3d(0, 0, -light.body.mass * g), Vector3d::Zero());
+    const Matrix6d s = resistance(surface, motion, {}, {});
+    for (const double dt : {1.0 / 240, 1.0, 100.0}) {
+      CHECK((step_secant_implicit(s, light.body, motion, weight, dt) - of(motion)).norm() < 1e-9 * v);  // conditioning of M + dt S: 1e5 at 100 s
+      CHECK((step_scalar_implicit(s, light.body, motion, weight, dt) - of(motion)).norm() < 1e-9 * v);
+    }
+  }
+}
+
+TEST_CASE("the secant step solves straight fall along the flow exactly", "[stepping][analytic]") {
+  // 1-D: v' = v / (1 + k v dt) is the exact solution of dv/dt = -k v^2.
+  const Light foam = bodies()[2];
+  const Motion motion{.velocity = Vector3d(8, 0, 0)};
+  const double k = 0.5 * 1.225 * 0.01 / foam.body.mass;
+  const Vector6d v = step_secant_implicit(resistance(zoo::surface(foam.shape, 1), motion, {}, {}), foam.body, motion, Vector6d::Zero(), 0.5);
+  CHECK_THAT(v[0], WithinRel(8.0 / (1 + k * 8.0 * 0.5), 1e-12));
+}
+
+TEST_CASE("mass properties and time steps out of range are refused", "[stepping][hard]") {
+  CHECK_THROWS_WITH((MassProperties{.mass = 0.0}.matrix()), Catch::Contains("mass = 0"));
+  CHECK_THROWS_WITH((MassProperties{.mass = 1.0, .inertia = Eigen::Matrix3d::Zero()}.matrix()), Catch::Contains("positive definite"));
+  CHECK_THROWS_WITH(step_secant_implicit(Matrix6d::Zero(), {}, {}, Vector6d::Zero(), -1.0), Catch::Contains("dt = -1"));
+}
