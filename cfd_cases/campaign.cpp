@@ -1,0 +1,207 @@
+#include "cfd_cases/campaign.hpp"
+
+#include <fmt/format.h>
+#include <fnmatch.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <deque>
+#include <exception>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "cfd_cases/case_key.hpp"
+#include "cfd_cases/dictionaries.hpp"
+#include "cfd_cases/solve.hpp"
+#include "cfd_cases/subprocess.hpp"
+
+namespace cfd_cases {
+
+namespace fs = std::filesystem;
+using case_record::CaseRecord;
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+double total_cpu_s(const CaseRecord& record) {
+  double sum = 0.0;
+  for (const auto& [stage, cost] : record.cost) sum += cost.cpu_s;
+  return sum;
+}
+
+/// CPU seconds of a case of the quick tier, by level; measured on two cores of 2020s server hardware.
+double default_cpu_s(const CaseSpec& spec) {
+  static const std::map<std::string, double> seconds{{"coarse", 5.0}, {"medium", 14.0}, {"fine", 50.0}, {"finest", 180.0}};
+  return seconds.at(spec.mesh_level);
+}
+
+/// What the terminal shows. Called by all workers.
+class Display {
+ public:
+  Display(std::size_t total, double predicted_cpu_s, int jobs) : total_(total), remaining_cpu_s_(predicted_cpu_s), jobs_(jobs) {}
+
+  void update(const std::string& name, const Progress& progress) {
+    const std::lock_guard guard(mutex_);
+    running_[name] = progress;
+    if (!terminal_ || Clock::now() - drawn_ < std::chrono::milliseconds(250)) return;
+    drawn_ = Clock::now();
+    std::string line = fmt::format("[{}/{}] {}", done_, total_, left());
+    for (const auto& [running, at] : running_) {
+      line += fmt::format(" | {} {}", running, at.stage);
+      if (at.iteration > 0) line += fmt::format(" {} C_D {:.4f}", at.iteration, at.drag_coefficient);
+    }
+    std::fprintf(stderr, "\r\033[K%s", line.substr(0, 160).c_str());
+  }
+  void finish(const PlannedCase& planned, const CaseRecord& record, double wall_s) {
+    const std::lock_guard guard(mutex_);
+    running_.erase(planned.spec.name);
+    ++done_;
+    // Predictions are scaled by how the finished ones compare, so that a slow machine shows in the time left.
+    remaining_cpu_s_ -= planned.predicted_cpu_s;
+    spent_wall_s_ += wall_s;
+    spent_predicted_s_ += planned.predicted_cpu_s;
+    const double area = 0.5 * record.density * record.speed * record.speed * dragcore::properties(record.shape).reference_area;
+    const std::string result = case_record::is_usable(record.status) ? fmt::format("C_D {:.4f}", record.load.force().x() / area) : record.reason;
+    std::fprintf(stderr, "%s[%zu/%zu] %s: %s, %s (%d cells, %d iterations, %.0f s); %s\n", terminal_ ? "\r\033[K" : "", done_, total_, planned.spec.name.c_str(),
+                 case_record::to_string(record.status).c_str(), result.c_str(), record.cells, record.iterations, wall_s, left().c_str());
+  }
+  void say(const std::string& text) {
+    const std::lock_guard guard(mutex_);
+    std::fprintf(stderr, "%s%s\n", terminal_ ? "\r\033[K" : "", text.c_str());
+  }
+  void drop(const std::string& name) {
+    const std::lock_guard guard(mutex_);
+    running_.erase(name);
+  }
+
+ private:
+  std::string left() const {
+    const double pace = spent_predicted_s_ > 0.0 ? spent_wall_s_ / spent_predicted_s_ : 1.0;
+    const double seconds = std::max(0.0, remaining_cpu_s_) * pace / jobs_;
+    return seconds < 1.0 ? "nothing left" : seconds < 90.0 ? fmt::format("{:.0f} s left", seconds) : fmt::format("{:.0f} min left", seconds / 60.0);
+  }
+
+  const bool terminal_ = isatty(STDERR_FILENO) != 0;
+  std::mutex mutex_;
+  std::size_t total_, done_ = 0;
+  double remaining_cpu_s_, spent_wall_s_ = 0.0, spent_predicted_s_ = 0.0;
+  int jobs_;
+  std::map<std::string, Progress> running_;
+  Clock::time_point drawn_{};
+};
+
+}  // namespace
+
+std::vector<PlannedCase> plan(const Matrix& matrix, const Tools& tools, const Cache& cache, const RunStore& store, const std::string& only) {
+  std::vector<PlannedCase> cases;
+  std::map<std::string, std::pair<double, int>> costs;  // sum and number of stored costs, by likeness
+  const auto like = [](const CaseSpec& spec) { return spec.flow_model + " " + spec.mesh_level; };
+  for (const CaseSpec& spec : matrix.cases) {
+    if (!only.empty() && fnmatch(only.c_str(), spec.name.c_str(), 0) != 0 && spec.name.find(only) == std::string::npos) continue;
+    PlannedCase planned{.spec = spec, .identity = identify(spec, tools), .cached = {}, .predicted_cpu_s = 0.0, .prediction = {}};
+    if (const fs::path run = cache.run(planned.identity.key); fs::exists(run)) planned.cached = store.read(run);
+    if (planned.cached && case_record::is_usable(planned.cached->status))
+      for (const std::string& key : {like(spec), like(spec) + " " + dragcore::kind(spec.shape)}) {
+        costs[key].first += total_cpu_s(*planned.cached);
+        costs[key].second += 1;
+      }
+    cases.push_back(std::move(planned));
+  }
+  for (PlannedCase& planned : cases) {
+    planned.predicted_cpu_s = default_cpu_s(planned.spec);
+    planned.prediction = "default of the level";
+    for (const std::string& key : {like(planned.spec), like(planned.spec) + " " + dragcore::kind(planned.spec.shape)})
+      if (const auto found = costs.find(key); found != costs.end()) {
+        planned.predicted_cpu_s = found->second.first / found->second.second;
+        planned.prediction = fmt::format("{} stored cases: {}", found->second.second, key);
+      }
+  }
+  return cases;
+}
+
+CampaignResult run_campaign(const std::vector<PlannedCase>& cases, const Tools& tools, const Cache& cache, const RunStore& store,
+                            const CampaignOptions& options, const std::atomic<bool>& cancel) {
+  cache.make_folders();
+  CampaignResult result;
+  std::mutex mutex;  // guards result, queue, failure
+  std::deque<const PlannedCase*> queue;
+  std::exception_ptr failure;
+  double predicted = 0.0;
+  for (const PlannedCase& planned : cases) {
+    if (planned.to_solve(options.retry_failed)) {
+      queue.push_back(&planned);
+      predicted += planned.predicted_cpu_s;
+      continue;
+    }
+    ++result.cached;
+    if (!case_record::is_usable(planned.cached->status)) result.unusable.push_back(*planned.cached);
+  }
+  // The longest first, so that the last ones to end are short.
+  std::stable_sort(queue.begin(), queue.end(), [](const auto* a, const auto* b) { return a->predicted_cpu_s > b->predicted_cpu_s; });
+  Display display(queue.size(), predicted, options.jobs);
+
+  const auto solve = [&](const PlannedCase& planned) {
+    const std::string& key = planned.identity.key;
+    const FileLock lock(cache.lock(key));
+    if (!lock.held()) return false;
+    const fs::path target = cache.run(key);
+    const auto began = Clock::now();
+    // Another campaign may have solved it since the plan was made; a failed case that is to be tried again is still the one we know.
+    std::optional<CaseRecord> record;
+    if (fs::exists(target)) {
+      record = store.read(target);
+      const bool the_old_one = planned.cached && record->finished == planned.cached->finished;
+      if (the_old_one || (options.retry_failed && !case_record::is_usable(record->status))) record.reset();
+    }
+    const bool solved_here = !record;
+    if (solved_here) {
+      record = solve_case(planned.spec, planned.identity, tools, cache, options.ranks, cancel, [&](const Progress& at) { display.update(planned.spec.name, at); });
+      store.write(target, *record);
+      if (case_record::is_usable(record->status) && !options.keep) fs::remove_all(cache.work(key));
+    }
+    display.finish(planned, *record, std::chrono::duration<double>(Clock::now() - began).count());
+    const std::lock_guard guard(mutex);
+    ++(solved_here ? result.solved : result.cached);
+    if (!case_record::is_usable(record->status)) result.unusable.push_back(*record);
+    return true;
+  };
+  const auto work = [&] {
+    for (;;) {
+      const PlannedCase* next = nullptr;
+      {
+        const std::lock_guard guard(mutex);
+        if (cancel || failure || queue.empty()) return;
+        next = queue.front();
+        queue.pop_front();
+      }
+      try {
+        if (solve(*next)) continue;
+        // Held by another campaign: to the end of the queue. The pause keeps a queue of nothing else from spinning.
+        display.update(next->spec.name, {"waits for another campaign"});
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        display.drop(next->spec.name);
+        const std::lock_guard guard(mutex);
+        queue.push_back(next);
+      } catch (const Interrupted&) {
+        return;
+      } catch (...) {
+        const std::lock_guard guard(mutex);
+        if (!failure) failure = std::current_exception();
+        return;
+      }
+    }
+  };
+  std::vector<std::thread> workers;
+  for (int i = 0; i < std::min<int>(options.jobs, static_cast<int>(queue.size())); ++i) workers.emplace_back(work);
+  for (auto& worker : workers) worker.join();
+  if (failure) std::rethrow_exception(failure);
+  result.interrupted = cancel;
+  if (result.interrupted) display.say("interrupted: what was finished is stored, run the same command to go on");
+  std::sort(result.unusable.begin(), result.unusable.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+  return result;
+}
+
+}  // namespace cfd_cases

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <atomic>
+#include <compare/case_record/case_record.hpp>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cfd_cases/matrix.hpp"
+#include "cfd_cases/mesh.hpp"
+
+namespace cfd_cases {
+
+/// How finished cases are kept: cfd_cases knows records, the caller knows the file format. Both throw when the file system or the file is bad.
+struct RunStore {
+  std::function<void(const std::filesystem::path&, const case_record::CaseRecord&)> write;
+  std::function<case_record::CaseRecord(const std::filesystem::path&)> read;
+};
+
+/// A case of the matrix and what the cache knows of it.
+struct PlannedCase {
+  CaseSpec spec;
+  CaseIdentity identity;
+  std::optional<case_record::CaseRecord> cached;
+  double predicted_cpu_s = 0.0;  ///< of all stages, if it has to be solved
+  std::string prediction;        ///< what the prediction rests on
+
+  bool to_solve(bool retry_failed) const { return !cached || (retry_failed && !case_record::is_usable(cached->status)); }
+};
+
+/// @param only  a shell pattern (* ? [...]) on case names, or part of a name; empty for all
+/// Predictions are the mean cost of cached cases with the same flow model, level and shape, then of any shape, then a default measured once.
+std::vector<PlannedCase> plan(const Matrix& matrix, const Tools& tools, const Cache& cache, const RunStore& store, const std::string& only = {});
+
+struct CampaignOptions {
+  int jobs = 1;   ///< cases side by side
+  int ranks = 1;  ///< MPI ranks of each
+  bool retry_failed = false;
+  bool keep = false;  ///< the folders of cases that went well, too
+};
+
+struct CampaignResult {
+  int solved = 0;    ///< now, usable or not
+  int cached = 0;    ///< before, or by somebody else meanwhile
+  bool interrupted = false;
+  std::vector<case_record::CaseRecord> unusable;  ///< of all cases planned
+};
+
+/// Solves what is missing and stores each case as it ends. Cases are independent: after a kill at any moment only those at work are lost. Campaigns
+/// on the same cache share the work: a case that another one holds is left to it and waited for at the end.
+/// Progress goes to stderr: one line per finished case, and on a terminal a status line besides.
+CampaignResult run_campaign(const std::vector<PlannedCase>& cases, const Tools& tools, const Cache& cache, const RunStore& store,
+                            const CampaignOptions& options, const std::atomic<bool>& cancel);
+
+}  // namespace cfd_cases

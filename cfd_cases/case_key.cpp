@@ -1,0 +1,45 @@
+#include "cfd_cases/case_key.hpp"
+
+#include <fmt/format.h>
+#include <openssl/sha.h>
+
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "cfd_cases/dictionaries.hpp"
+
+namespace cfd_cases {
+
+std::string sha256(const std::string& text) {
+  std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
+  SHA256(reinterpret_cast<const unsigned char*>(text.data()), text.size(), digest.data());
+  std::string hexadecimal;
+  for (const unsigned char byte : digest) hexadecimal += fmt::format("{:02x}", byte);
+  return hexadecimal;
+}
+
+CaseIdentity identify(const CaseSpec& spec, const Tools& tools) {
+  CaseIdentity id;
+  id.symmetry = find_symmetry(spec.shape, spec.pose.radians());
+  id.recipe.refinement = refinement_of(spec.mesh_level);
+  const nlohmann::json pose{{"incidence_deg", spec.pose.incidence}, {"yaw_deg", spec.pose.yaw}, {"roll_deg", spec.pose.roll}};
+  const nlohmann::json mesh{{"shape", to_json(spec.shape)}, {"pose", pose}, {"symmetry", to_string(id.symmetry)}, {"recipe", to_json(id.recipe)},
+                            {"size_factors", kSizeFactors}, {"tools", tools.versions()}};
+  id.mesh_description = mesh.dump();
+  id.mesh_key = sha256(id.mesh_description);
+
+  std::string files;
+  for (const Rung rung : {Rung::standard, Rung::cautious})
+    for (const auto& [path, text] : dictionaries(spec, id.symmetry, rung)) files += path + "\n" + text;
+  const StopPolicy& s = spec.stop;
+  const nlohmann::json description{
+      {"schema", 1}, {"shape", to_json(spec.shape)}, {"pose", pose}, {"reynolds", spec.reynolds}, {"flow_model", spec.flow_model},
+      {"speed_m_s", kSpeed}, {"density_kg_m3", kDensity}, {"mesh_level", spec.mesh_level}, {"mesh", mesh}, {"dictionaries_sha256", sha256(files)},
+      {"stop", {{"min_iterations", s.min_iterations}, {"max_iterations", s.max_iterations}, {"window", s.window}, {"average", s.average}, {"tolerance", s.tolerance}, {"floor", s.floor}}},
+      {"retries", spec.retries}, {"tools", tools.versions()}};
+  id.description = description.dump();
+  id.key = sha256(id.description);
+  return id;
+}
+
+}  // namespace cfd_cases

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+
+#include "cfd_cases/matrix.hpp"
+#include "cfd_cases/mesh_recipe.hpp"
+#include "cfd_cases/tools.hpp"
+
+namespace cfd_cases {
+
+/// Under which name a case and its mesh are stored. Both keys are the SHA-256 of a canonical description (JSON, sorted, shortest numbers) of all that
+/// determines the result: shape, pose, Reynolds number, flow model, mesh recipe and level, generated dictionaries, stop policy, tool
+/// versions. What does not (ranks, host, paths, time-out, tier, held_out, name) is left out.
+struct CaseIdentity {
+  Symmetry symmetry = Symmetry::none;
+  MeshRecipe recipe;
+  std::string mesh_description, mesh_key;  ///< several flows may share a mesh
+  std::string description, key;
+};
+CaseIdentity identify(const CaseSpec& spec, const Tools& tools);
+
+/// Factors of all cell sizes that are tried one after the other until checkMesh accepts the mesh.
+inline constexpr double kSizeFactors[] = {1.0, 0.97, 0.94};
+
+std::string sha256(const std::string& text);  ///< hexadecimal
+
+}  // namespace cfd_cases

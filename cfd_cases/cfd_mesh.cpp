@@ -1,0 +1,165 @@
+// cfd_mesh REQUEST.json OUTPUT.msh: the tetrahedral mesh of the air around one body, by the gmsh library, as an MSH 2.2 file.
+// A program of its own, for gmsh keeps its state in globals and may end the process on a bad geometry. REQUEST.json is written by mesh.cpp.
+// cfd_mesh --version prints the version of gmsh.
+
+#include <gmsh.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <dragcore/pose.hpp>
+#include <dragcore/shapes.hpp>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "cfd_cases/mesh_recipe.hpp"
+
+namespace {
+
+using Eigen::Vector3d;
+using Entities = gmsh::vectorpair;
+namespace occ = gmsh::model::occ;
+
+/// The exact shape as an OpenCASCADE solid, in the body frame.
+struct Solid {
+  double nose;
+
+  int operator()(const dragcore::Plate& s) const {
+    if (s.thickness <= 0.0) throw std::invalid_argument("a sheet cannot be meshed: thickness = 0, but it must be greater than 0; 0.05 chords meshes cleanly");
+    return (*this)(dragcore::Box{s.chord, s.span, s.thickness});
+  }
+  int operator()(const dragcore::Box& s) const {
+    return occ::addBox(-0.5 * s.length, -0.5 * s.width, -0.5 * s.height, s.length, s.width, s.height);
+  }
+  int operator()(const dragcore::Cone& s) const {
+    const double r = 0.5 * s.diameter;
+    return occ::addCone(nose, 0, 0, r / std::tan(0.5 * s.apex_angle), 0, 0, 0.0, r);
+  }
+  int operator()(const dragcore::Sphere& s) const { return occ::addSphere(0, 0, 0, 0.5 * s.diameter); }
+  int operator()(const dragcore::Cylinder& s) const { return occ::addCylinder(nose, 0, 0, s.length, 0, 0, 0.5 * s.diameter); }
+  int operator()(const dragcore::Ellipsoid& s) const {
+    const int sphere = occ::addSphere(0, 0, 0, 1.0);
+    occ::dilate({{3, sphere}}, 0, 0, 0, s.semi_x, s.semi_y, s.semi_z);
+    return sphere;
+  }
+  /// The meridian (arc of the sphere, then its tangent to the tail) turned about the axis.
+  int operator()(const dragcore::Teardrop& s) const {
+    const double r = 0.5 * s.diameter, centre = nose + r, tail = s.length - r;
+    const int front = occ::addPoint(nose, 0, 0), middle = occ::addPoint(centre, 0, 0), back = occ::addPoint(nose + s.length, 0, 0);
+    const int joint = occ::addPoint(centre + r * r / tail, r * std::sqrt(1.0 - r * r / (tail * tail)), 0);
+    const int meridian = occ::addCurveLoop({occ::addCircleArc(front, middle, joint), occ::addLine(joint, back), occ::addLine(back, front)});
+    Entities turned;
+    occ::revolve({{2, occ::addPlaneSurface({meridian})}}, 0, 0, 0, 1, 0, 0, 2.0 * std::numbers::pi, turned);
+    const auto solid = std::find_if(turned.begin(), turned.end(), [](const auto& entity) { return entity.first == 3; });
+    if (solid == turned.end()) throw std::runtime_error("gmsh made no solid of the teardrop's meridian");
+    return solid->second;
+  }
+};
+
+/// Distance from a point to an axis-aligned box.
+double distance_to(const Vector3d& lower, const Vector3d& upper, const Vector3d& p) {
+  return (lower - p).cwiseMax(p - upper).cwiseMax(0.0).norm();
+}
+
+void make_mesh(const nlohmann::json& request, const std::string& output) {
+  const dragcore::Shape shape = cfd_cases::shape_from_json(request.at("shape"));
+  const cfd_cases::MeshRecipe recipe = cfd_cases::recipe_from_json(request.at("recipe"));
+  const auto angle = [&](const char* name) { return request.at("pose").at(name).get<double>() * std::numbers::pi / 180.0; };
+  const dragcore::Pose pose{angle("incidence_deg"), angle("yaw_deg"), angle("roll_deg")};
+  const std::string symmetry = request.at("symmetry");
+  const double scale = cfd_cases::body_scale(shape);
+  const auto properties = dragcore::properties(shape);
+
+  // The body in its pose: rotations one by one are rigid for OpenCASCADE and keep planes and cylinders exact.
+  const int body = std::visit(Solid{properties.nose_x}, shape);
+  occ::rotate({{3, body}}, 0, 0, 0, 1, 0, 0, pose.roll);
+  occ::rotate({{3, body}}, 0, 0, 0, 0, 1, 0, pose.incidence);
+  occ::rotate({{3, body}}, 0, 0, 0, 0, 0, 1, pose.yaw);
+  occ::synchronize();
+  Vector3d lower, upper;
+  gmsh::model::getBoundingBox(3, body, lower.x(), lower.y(), lower.z(), upper.x(), upper.y(), upper.z());
+
+  Vector3d inlet = lower - scale * Vector3d(recipe.upstream, recipe.sideways, recipe.sideways);
+  const Vector3d outlet = upper + scale * Vector3d(recipe.downstream, recipe.sideways, recipe.sideways);
+  const int halved = symmetry == "plane_y" ? 1 : symmetry == "plane_z" ? 2 : -1;
+  if (halved >= 0) inlet[halved] = 0.0;
+  const Vector3d extent = outlet - inlet;
+  const int box = occ::addBox(inlet.x(), inlet.y(), inlet.z(), extent.x(), extent.y(), extent.z());
+  Entities air;
+  std::vector<Entities> origins;
+  occ::cut({{3, box}}, {{3, body}}, air, origins);
+  occ::synchronize();
+  if (air.size() != 1 || air[0].first != 3) throw std::runtime_error("cutting the body out of the air left " + std::to_string(air.size()) + " regions, needed 1");
+
+  // Patches by place: a face that is flat in a side of the box belongs to it, the others are the body.
+  std::map<std::string, std::vector<int>> patches;
+  Entities faces;
+  gmsh::model::getBoundary(air, faces, false, false);
+  const double eps = 1e-4 * scale;
+  for (const auto& [dim, tag] : faces) {
+    Vector3d a, b;
+    gmsh::model::getBoundingBox(dim, tag, a.x(), a.y(), a.z(), b.x(), b.y(), b.z());
+    std::string patch = "body";
+    for (int axis = 0; axis < 3; ++axis) {
+      if (std::abs(a[axis] - inlet[axis]) < eps && std::abs(b[axis] - inlet[axis]) < eps) patch = axis == 0 ? "inlet" : axis == halved ? "symmetry" : "sides";
+      if (std::abs(a[axis] - outlet[axis]) < eps && std::abs(b[axis] - outlet[axis]) < eps) patch = axis == 0 ? "outlet" : "sides";
+    }
+    patches[patch].push_back(tag);
+  }
+  for (const auto& [name, tags] : patches) gmsh::model::setPhysicalName(2, gmsh::model::addPhysicalGroup(2, tags), name);
+  gmsh::model::setPhysicalName(3, gmsh::model::addPhysicalGroup(3, {air[0].second}), "air");
+
+  // The size is a function of the place alone, so that the half of a symmetric case is the half of its whole.
+  const Eigen::Matrix3d to_body = pose.rotation().transpose();
+  const auto boxed = [&](const Vector3d& p, double margin, double length) {
+    return distance_to(lower - scale * Vector3d::Constant(margin), upper + scale * Vector3d(length, margin, margin), p);
+  };
+  gmsh::model::mesh::setSizeCallback([&](int, int, double x, double y, double z) {
+    const Vector3d p(x, y, z);
+    const double from_body = scale * recipe.body_size + recipe.growth * cfd_cases::distance_to_body(shape, to_body * p);
+    const double from_wake = scale * recipe.wake_size + recipe.growth * boxed(p, recipe.wake_margin, recipe.wake_length);
+    const double from_outer = scale * recipe.outer_size + recipe.growth * boxed(p, recipe.outer_margin, recipe.outer_length);
+    const double from_tip = scale * recipe.tip_size + recipe.growth * cfd_cases::distance_to_tip(shape, to_body * p);
+    return recipe.refinement * std::min({from_body, from_tip, from_wake, from_outer, scale * recipe.far_size});
+  });
+  for (const char* source : {"Mesh.CharacteristicLengthExtendFromBoundary", "Mesh.CharacteristicLengthFromPoints", "Mesh.CharacteristicLengthFromCurvature"})
+    gmsh::option::setNumber(source, 0);
+  gmsh::option::setNumber("Mesh.MshFileVersion", 2.2);
+  gmsh::model::mesh::generate(3);
+  gmsh::write(output);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc == 2 && std::string(argv[1]) == "--version") {
+    gmsh::initialize(0, nullptr, false);
+    std::string version;
+    gmsh::option::getString("General.Version", version);
+    std::printf("%s\n", version.c_str());
+    gmsh::finalize();
+    return 0;
+  }
+  if (argc != 3) {
+    std::fprintf(stderr, "usage: cfd_mesh REQUEST.json OUTPUT.msh | --version\n");
+    return 2;
+  }
+  try {
+    std::ifstream file(argv[1]);
+    if (!file) throw std::runtime_error(std::string("cannot read ") + argv[1]);
+    const auto request = nlohmann::json::parse(file);
+    gmsh::initialize(0, nullptr, false);  // no option files of the user: they would change the mesh
+    gmsh::option::setNumber("General.Verbosity", 3);
+    make_mesh(request, argv[2]);
+    gmsh::finalize();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "cfd_mesh: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <dragcore/pose.hpp>
+#include <dragcore/shapes.hpp>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+namespace cfd_cases {
+
+/// Which part of the flow is meshed: all of it, or the half on the positive side of a plane through the centroid in which flow and body are symmetric.
+enum class Symmetry { none, plane_y, plane_z };
+std::string to_string(Symmetry symmetry);
+
+/// The symmetry plane that body and pose allow: y = 0 first (poses in incidence), then z = 0 (poses in yaw).
+Symmetry find_symmetry(const dragcore::Shape& shape, const dragcore::Pose& pose);
+
+/// The length that all sizes below are multiples of: the second largest extent of the body, that is the shorter side of a plate, the
+/// diameter of a body of revolution [m].
+double body_scale(const dragcore::Shape& shape);
+
+/// Sizes of the unstructured mesh and of the box of air around the body, in units of body_scale(). `refinement` multiplies every cell size
+/// and no distance, so that levels are geometrically similar.
+struct MeshRecipe {
+  double body_size = 0.05;     ///< tetrahedron edge on the body
+  double tip_size = 0.01;      ///< at the point of a cone or teardrop, where faces of body_size would be wider than the body
+  double growth = 0.2;         ///< growth of the size per distance from a refined region
+  double wake_size = 0.12;     ///< in the box around the body and its near wake
+  double wake_margin = 0.4;    ///< of that box beside and in front of the body
+  double wake_length = 3.5;    ///< of that box behind the body
+  double outer_size = 0.3;     ///< in the second box
+  double outer_margin = 1.2;
+  double outer_length = 8.5;
+  double far_size = 1.6;       ///< largest size
+  double upstream = 8.0;       ///< air between the body and the inlet; blockage costs 3 % of C_D at 5 on a cube
+  double downstream = 15.0;
+  double sideways = 8.0;
+  double dual_feature_angle_deg = 60.0;  ///< edges sharper than this stay edges in the polyhedral dual
+  double refinement = 1.0;
+};
+
+/// Cell size factor of a level: consecutive levels differ by 1.4, which gives 2.2-2.7 times the cells. "medium" is 1.
+/// @throws std::invalid_argument on an unknown level, listing the known ones
+double refinement_of(const std::string& level);
+
+/// Distance from a point to the surface of the body (exact for flat-sided bodies and bodies of revolution, first order for other
+/// ellipsoids); 0 inside. Body frame [m].
+double distance_to_body(const dragcore::Shape& shape, const Eigen::Vector3d& point_body);
+
+/// Distance to the sharp point of a cone or teardrop [m]; infinite for other shapes.
+double distance_to_tip(const dragcore::Shape& shape, const Eigen::Vector3d& point_body);
+
+/// Canonical description: part of the key, and the request that the meshing program reads.
+nlohmann::json to_json(const MeshRecipe& recipe);
+MeshRecipe recipe_from_json(const nlohmann::json& text);
+nlohmann::json to_json(const dragcore::Shape& shape);
+dragcore::Shape shape_from_json(const nlohmann::json& text);
+
+}  // namespace cfd_cases

@@ -1,0 +1,331 @@
+#include "cfd_cases/solve.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <fstream>
+
+#include "cfd_cases/convergence.hpp"
+#include "cfd_cases/dictionaries.hpp"
+#include "cfd_cases/force_history.hpp"
+#include "cfd_cases/subprocess.hpp"
+
+namespace cfd_cases {
+
+namespace fs = std::filesystem;
+using case_record::CaseRecord;
+using case_record::Load;
+using case_record::StageCost;
+using case_record::Status;
+using Eigen::Vector3d;
+
+namespace {
+
+/// Divisions of the triangles whose checksum a record carries.
+constexpr int kChecksumDivisions = 16;
+
+/// Force and moment per unit coefficient, and the largest coefficient one can believe in.
+struct Scales {
+  double force, moment, plausible;
+
+  Channels coefficients(const Load& load) const {
+    Channels c;
+    c << load.force() / force, load.moment() / moment;
+    return c;
+  }
+  Channels dimensional(const Channels& c) const {
+    Channels load;
+    load << c.head<3>() * force, c.tail<3>() * moment;
+    return load;
+  }
+};
+
+Scales scales_of(const CaseSpec& spec) {
+  const auto p = dragcore::properties(spec.shape);
+  const double q = 0.5 * kDensity * kSpeed * kSpeed;
+  // No bluff body has more than about 2 on its frontal area, which is at most half of its surface; creeping flow adds 24/Re on the frontal,
+  // and for slender bodies more. Arms of moments are at most the longest half extent.
+  const double force = (4.0 + 100.0 / spec.reynolds) * std::max(1.0, 0.5 * p.area / p.reference_area);
+  return {q * p.reference_area, q * p.reference_area * p.reference_length, force * std::max(1.0, 2.0 * p.half_extent.maxCoeff() / p.reference_length)};
+}
+
+std::vector<Channels> channels_of(const std::vector<ForceSample>& history, const Scales& scales, Symmetry symmetry) {
+  std::vector<Channels> series;
+  for (const auto& sample : history) series.push_back(scales.coefficients(whole_body(sample.load, symmetry)));
+  return series;
+}
+
+Load mean_load(const std::vector<ForceSample>& history, int samples, Symmetry symmetry) {
+  Load mean;
+  const double weight = 1.0 / samples;
+  for (std::size_t i = history.size() - static_cast<std::size_t>(samples); i < history.size(); ++i) {
+    const Load load = whole_body(history[i].load, symmetry);
+    mean.force_pressure += weight * load.force_pressure;
+    mean.force_viscous += weight * load.force_viscous;
+    mean.moment_pressure += weight * load.moment_pressure;
+    mean.moment_viscous += weight * load.moment_viscous;
+  }
+  return mean;
+}
+
+/// Size of the channels that the mirror symmetries of body and pose say are zero: what is left in them is noise.
+Channels null_channels(const CaseSpec& spec, const Channels& mean) {
+  Channels is_null = Channels::Zero();
+  const Eigen::Matrix3d to_body = spec.pose.radians().rotation().transpose();
+  for (const int across : {1, 2}) {
+    if (!dragcore::mirror_symmetric(spec.shape, to_body * Vector3d::Unit(across))) continue;
+    is_null[across] = 1.0;      // the force across the plane
+    is_null[3] = 1.0;           // the moments about the axes in the plane
+    is_null[3 + (3 - across)] = 1.0;
+  }
+  return is_null.cwiseProduct(mean.cwiseAbs());
+}
+
+bool ended_well(const fs::path& log) {
+  std::ifstream in(log, std::ios::ate);
+  const auto size = in.tellg();
+  in.seekg(std::max<std::streamoff>(0, static_cast<std::streamoff>(size) - 200));
+  const std::string tail{std::istreambuf_iterator<char>(in), {}};
+  return tail.find("\nEnd\n") != std::string::npos;
+}
+
+double thread_cpu_s() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+void add(StageCost& cost, const Outcome& outcome) {
+  cost.cpu_s += outcome.cpu_s;
+  cost.wall_s += outcome.wall_s;
+}
+
+class Solver {
+ public:
+  Solver(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, int ranks, const std::atomic<bool>& cancel,
+         const std::function<void(const Progress&)>& on_progress)
+      : spec_(spec), id_(identity), tools_(tools), cache_(cache), ranks_(ranks), cancel_(cancel), on_progress_(on_progress), scales_(scales_of(spec)) {}
+
+  CaseRecord solve() {
+    CaseRecord record = asked();
+    const fs::path work = cache_.work(id_.key);
+    fs::remove_all(work);  // of a run that was killed or failed
+    fs::create_directories(work);
+    try {
+      const Mesh mesh = ensure_mesh(spec_, id_, tools_, cache_, work, cancel_, [&](const char* stage) { on_progress_({stage}); });
+      record.cells = mesh.cells;
+      record.mesh_quality = mesh.quality;
+      record.surface_area = mesh.surface_area;
+      record.surface_volume = mesh.surface_volume;
+      record.cost = mesh.cost;
+      record.attempts = mesh.attempts;
+      for (int rung = 0; rung <= spec_.retries; ++rung) {
+        const Rung recipe = static_cast<Rung>(rung);
+        try_rung(recipe, work / to_string(recipe), mesh, record);
+        record.attempts.push_back({to_string(recipe), record.status, record.reason});
+        // Time-outs and drift would only be repeated; other relaxation helps against divergence.
+        if (record.status != Status::diverged) break;
+      }
+    } catch (const CaseFailure& failure) {
+      record.status = Status::failed;
+      record.reason = failure.what();
+      record.attempts.push_back({record.cells > 0 ? "post" : "mesh", record.status, record.reason});
+    }
+    if (case_record::is_usable(record.status)) record.reason.clear();
+    record.finished = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+    return record;
+  }
+
+ private:
+  CaseRecord asked() const {
+    CaseRecord record;
+    record.name = spec_.name;
+    record.key = id_.key;
+    record.description = id_.description;
+    record.source = "openfoam-" + tools_.openfoam;
+    record.tier = spec_.tier;
+    record.shape = spec_.shape;
+    record.pose = spec_.pose.radians();
+    record.reynolds = spec_.reynolds;
+    record.flow_model = spec_.flow_model;
+    record.mesh_level = spec_.mesh_level;
+    record.held_out = spec_.held_out;
+    record.density = kDensity;
+    record.speed = kSpeed;
+    record.viscosity = kinematic_viscosity(spec_);
+    record.half_model = id_.symmetry != Symmetry::none;
+    record.surface_checksum = fmt::format("{:016x}", dragcore::surface_checksum(dragcore::triangulate(spec_.shape, kChecksumDivisions)));
+    record.tools = tools_.versions();
+    return record;
+  }
+
+  /// Solves with the settings of one rung and fills status, reason and, when usable, the results.
+  void try_rung(Rung rung, const fs::path& folder, const Mesh& mesh, CaseRecord& record) {
+    write_files(folder, dictionaries(spec_, id_.symmetry, rung));
+    fs::create_directories(folder / "constant/polyMesh");
+    for (const auto& file : fs::directory_iterator(mesh.poly_mesh)) fs::create_hard_link(file.path(), folder / "constant/polyMesh" / file.path().filename());
+    StageCost& solve = record.cost["solve"];
+    if (ranks_ > 1) {
+      write_files(folder, {{"system/decomposeParDict", decomposition(ranks_)}});
+      require(run(folder, {"decomposePar"}, solve), "decomposePar", folder);
+    }
+
+    // The forces decide live: enough is enough, and a divergence is not paid to its end.
+    Verdict live;
+    std::atomic<bool> halt = false;
+    std::size_t judged = 0;
+    const auto watch = [&] {
+      if (cancel_) halt = true;
+      const auto history = read_forces(folder);
+      if (history.empty() || live.stop) return;
+      const auto series = channels_of(history, scales_, id_.symmetry);
+      on_progress_({"solve", static_cast<int>(history.size()), series.back()[0]});
+      live = judge(series, spec_.stop, scales_.plausible, false);
+      judged = series.size();
+      if (!live.stop) return;
+      if (case_record::is_usable(live.status)) write_files(folder, {{"stop", ""}});
+      else halt = true;
+    };
+    on_progress_({"solve"});
+    std::vector<std::string> argv{"simpleFoam"};
+    // --bind-to none: two mpirun side by side would both bind to the first core.
+    if (ranks_ > 1) argv = {"mpirun", "-np", std::to_string(ranks_), "--oversubscribe", "--bind-to", "none", "simpleFoam", "-parallel"};
+    const fs::path log = folder / "log.simpleFoam";
+    const Outcome outcome = run_command({.argv = argv, .folder = folder, .log = log, .timeout_s = spec_.timeout_s, .environment = tools_.environment}, halt, watch);
+    add(solve, outcome);
+    if (cancel_) throw Interrupted();
+
+    const auto fail = [&](Status status, std::string reason) {
+      record.status = status;
+      record.reason = std::move(reason);
+    };
+    const auto history = read_history(folder);
+    record.iterations += static_cast<int>(history.size());
+    const auto series = channels_of(history, scales_, id_.symmetry);
+    if (outcome.timed_out) return fail(Status::timed_out, fmt::format("stopped after {:.0f} s and {} iterations: raise timeout_s", spec_.timeout_s, history.size()));
+    if (live.status == Status::diverged) return fail(Status::diverged, live.reason);
+    // 136 = 128 + SIGFPE: the trap for floating point errors is on.
+    if (outcome.exit_code == 136) return fail(Status::diverged, fmt::format("floating point failure after {} iterations", history.size()));
+    if (outcome.exit_code != 0) return fail(Status::failed, fmt::format("{} ended with code {}: {}", argv[0], outcome.exit_code, log_excerpt(log)));
+    if (!ended_well(log)) return fail(Status::failed, "simpleFoam returned 0 without reaching its End");
+    const Verdict at_end = judge(series, spec_.stop, scales_.plausible, true);
+    // The last iteration or two came after the decision to stop; they may not undo it, unless the solution blew up.
+    const Verdict& verdict = live.stop && at_end.status != Status::diverged ? live : at_end;
+    if (!case_record::is_usable(verdict.status)) return fail(verdict.status, verdict.reason);
+    // A wrong patch gives zeros and a mere warning.
+    if (history.back().load.force().norm() < 1e-9 * scales_.force) return fail(Status::failed, "the forces are zero: the patch 'body' is empty");
+
+    on_progress_({"post", static_cast<int>(history.size()), series.back()[0]});
+    finish(folder, history, verdict, record);
+  }
+
+  void finish(const fs::path& folder, const std::vector<ForceSample>& history, const Verdict& verdict, CaseRecord& record) {
+    StageCost& post = record.cost["post"];
+    if (ranks_ > 1) require(run(folder, {"reconstructPar", "-latestTime"}, post), "reconstructPar", folder);
+    const double cpu = thread_cpu_s();
+    const auto began = std::chrono::steady_clock::now();
+    try {
+      record.surface = read_surface(folder, read_poly_mesh(folder / "constant/polyMesh"), history.back().load, 0.5 * kSpeed * kSpeed);
+    } catch (const CaseFailure&) {
+      throw;
+    } catch (const std::runtime_error& error) {
+      throw CaseFailure(error.what());
+    }
+    record.averaged_over = std::min(verdict.averaged_over, static_cast<int>(history.size()));
+    record.load = mean_load(history, record.averaged_over, id_.symmetry);
+    record.load_last = whole_body(history.back().load, id_.symmetry);
+    record.u_iteration = scales_.dimensional(verdict.u_iteration);
+    record.u_statistical = scales_.dimensional(verdict.u_statistical);
+    record.u_null = scales_.dimensional(null_channels(spec_, scales_.coefficients(record.load)));
+    record.status = verdict.status;
+    record.reason.clear();
+    post.cpu_s += thread_cpu_s() - cpu;
+    post.wall_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  }
+
+  std::vector<ForceSample> read_history(const fs::path& folder) const {
+    try {
+      return read_forces(folder);
+    } catch (const std::runtime_error& error) {
+      throw CaseFailure(error.what());
+    }
+  }
+
+  Outcome run(const fs::path& folder, std::vector<std::string> argv, StageCost& cost) {
+    const fs::path log = folder / ("log." + argv[0]);
+    const Outcome outcome = run_command({.argv = std::move(argv), .folder = folder, .log = log, .timeout_s = spec_.timeout_s, .environment = tools_.environment}, cancel_);
+    add(cost, outcome);
+    return outcome;
+  }
+  static void require(const Outcome& outcome, const std::string& program, const fs::path& folder) {
+    if (outcome.cancelled) throw Interrupted();
+    if (outcome.timed_out || outcome.exit_code != 0)
+      throw CaseFailure(fmt::format("{} ended with code {}: {}", program, outcome.exit_code, log_excerpt(folder / ("log." + program))));
+  }
+
+  const CaseSpec& spec_;
+  const CaseIdentity& id_;
+  const Tools& tools_;
+  const Cache& cache_;
+  int ranks_;
+  const std::atomic<bool>& cancel_;
+  const std::function<void(const Progress&)>& on_progress_;
+  Scales scales_;
+};
+
+}  // namespace
+
+CaseRecord solve_case(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, int ranks,
+                      const std::atomic<bool>& cancel, const std::function<void(const Progress&)>& on_progress) {
+  return Solver(spec, identity, tools, cache, ranks, cancel, on_progress).solve();
+}
+
+case_record::SurfaceSample read_surface(const fs::path& case_folder, const PolyMesh& mesh, const Load& meshed_load, double scale) {
+  const auto& patch = mesh.patch("body");
+  const fs::path time = last_time_folder(case_folder);
+  // The wall has zero normal gradient of pressure, so that a face has the value of its cell.
+  const Eigen::VectorXd cell_pressure = read_cell_scalars(time / "p", mesh.cells());
+  // OpenFOAM's wallShearStress is what the wall does to the air; the air does the opposite to the wall.
+  const Eigen::Matrix3Xd shear = -read_patch_vectors(time / "wallShearStress", "body", patch.faces) / scale;
+  case_record::SurfaceSample sample{Eigen::Matrix3Xd(3, patch.faces), Eigen::Matrix3Xd(3, patch.faces), Eigen::VectorXd(patch.faces), shear};
+  Vector3d pressure_force = Vector3d::Zero(), viscous_force = Vector3d::Zero();
+  for (int i = 0; i < patch.faces; ++i) {
+    const FaceGeometry face = face_geometry(mesh, patch.first_face + i);
+    sample.pressure_coefficient[i] = cell_pressure[mesh.owner[static_cast<std::size_t>(patch.first_face + i)]] / scale;
+    sample.centre.col(i) = face.centre;
+    sample.area_vector.col(i) = -face.area_vector;  // out of the body
+    pressure_force += kDensity * scale * sample.pressure_coefficient[i] * face.area_vector;
+    viscous_force += kDensity * scale * shear.col(i) * face.area_vector.norm();
+  }
+  // Both sums are over the same faces and the same iteration as the solver's own; ten digits are written, so 1e-3 leaves only real mistakes.
+  const double allowed = 1e-3 * meshed_load.force().norm();
+  for (const auto& [what, found, needed] :
+       {std::tuple{"pressure", pressure_force, meshed_load.force_pressure}, std::tuple{"shear stress", viscous_force, meshed_load.force_viscous}})
+    if (!((found - needed).norm() <= allowed))
+      throw CaseFailure(fmt::format("{} on the faces adds up to ({:.5g} {:.5g} {:.5g}), but the force file says ({:.5g} {:.5g} {:.5g})", what, found.x(), found.y(),
+                                    found.z(), needed.x(), needed.y(), needed.z()));
+  return sample;
+}
+
+fs::path last_time_folder(const fs::path& case_folder) {
+  fs::path newest;
+  double latest = 0.0;
+  for (const auto& entry : fs::directory_iterator(case_folder)) {
+    const std::string name = entry.path().filename();
+    double time = 0.0;
+    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), time);
+    if (error == std::errc{} && end == name.data() + name.size() && time > latest) {
+      latest = time;
+      newest = entry.path();
+    }
+  }
+  if (newest.empty()) throw CaseFailure(fmt::format("{} has no time folder: the solver wrote no fields", case_folder.string()));
+  return newest;
+}
+
+}  // namespace cfd_cases

@@ -1,0 +1,101 @@
+#include <fmt/format.h>  // before any header of compare: fmt has a function of that name
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "compare/cli/campaign_options.hpp"
+#include "compare/cli/commands.hpp"
+
+namespace cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Leaves of two descriptions that differ: what made an older run of the same name stale.
+std::vector<std::string> differences(const std::string& then, const std::string& now) {
+  std::vector<std::string> lines;
+  const auto old_text = nlohmann::json::parse(then, nullptr, false), new_text = nlohmann::json::parse(now);
+  if (old_text.is_discarded()) return {"its description cannot be read"};
+  for (const auto& change : nlohmann::json::diff(old_text, new_text)) {
+    const nlohmann::json::json_pointer at(change.at("path").get<std::string>());
+    const auto show = [&](const nlohmann::json& text) { return text.contains(at) ? text.at(at).dump() : "nothing"; };
+    lines.push_back(fmt::format("{}: {} then, {} now", at.to_string(), show(old_text), show(new_text)));
+  }
+  return lines;
+}
+
+/// Newest log of a case folder.
+fs::path newest_log(const fs::path& folder) {
+  fs::path newest;
+  if (!fs::exists(folder)) return newest;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.path().filename().string().starts_with("log.") && (newest.empty() || entry.last_write_time() > fs::last_write_time(newest))) newest = entry.path();
+  return newest;
+}
+
+nlohmann::json explain(const cfd_cases::PlannedCase& planned, const CampaignInput& input) {
+  const cfd_cases::Cache cache{input.cache};
+  nlohmann::json text{{"name", planned.spec.name}, {"key", planned.identity.key}, {"attempts", nlohmann::json::array()}, {"differs_from_stored", nlohmann::json::array()}};
+  text["rerun"] = fmt::format("dragval run {} --only {} --retry-failed --cache {}", input.matrix, planned.spec.name, input.cache);
+  if (planned.cached) {
+    text["state"] = case_record::to_string(planned.cached->status);
+    text["reason"] = planned.cached->reason;
+    text["finished"] = planned.cached->finished;
+    for (const auto& attempt : planned.cached->attempts)
+      text["attempts"].push_back({{"recipe", attempt.recipe}, {"status", case_record::to_string(attempt.status)}, {"reason", attempt.reason}});
+  } else {
+    text["state"] = "to solve";
+    text["reason"] = "no run of this name is stored";
+    for (const auto& record : compare::read_runs(cache.root / "runs"))
+      if (record.name == planned.spec.name) {
+        text["reason"] = "a run of this name is stored, but of another description: it is stale";
+        text["differs_from_stored"] = differences(record.description, planned.identity.description);
+      }
+  }
+  const fs::path folder = cache.work(planned.identity.key);
+  text["folder"] = fs::exists(folder) ? folder.string() : "";
+  const fs::path log = newest_log(folder);
+  text["log"] = log.string();
+  text["log_excerpt"] = log.empty() ? "" : cfd_cases::log_excerpt(log);
+  return text;
+}
+
+void print(const nlohmann::json& text) {
+  const auto word = [&](const char* key) { return text.at(key).get<std::string>(); };
+  fmt::print("{}\n  state:    {}\n", word("name"), word("state"));
+  if (!word("reason").empty()) fmt::print("  reason:   {}\n", word("reason"));
+  for (const auto& line : text.at("differs_from_stored")) fmt::print("            {}\n", line.get<std::string>());
+  for (const auto& attempt : text.at("attempts"))
+    fmt::print("  attempt:  {}: {}{}{}\n", attempt.at("recipe").get<std::string>(), attempt.at("status").get<std::string>(), attempt.at("reason") == "" ? "" : ", ",
+               attempt.at("reason").get<std::string>());
+  if (!word("log").empty()) fmt::print("  log:      {}\n            {}\n", word("log"), word("log_excerpt"));
+  fmt::print("  folder:   {}\n  key:      {}\n  rerun:    {}\n", word("folder").empty() ? "not kept" : word("folder"), word("key"), word("rerun"));
+}
+
+}  // namespace
+
+void add_explain(CLI::App& app, Context&) {
+  struct Options {
+    CampaignInput input;
+    bool json = false;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("explain", "Says why a case is missing, stale or failed: attempts, log, folder and the command to repeat it");
+  command->add_option("case", options->input.only, "name of a case, part of one, or a pattern")->required();
+  command->add_option("--matrix", options->input.matrix, "smoke, quick, reference or a TOML file")->capture_default_str();
+  command->add_option("--cache", options->input.cache, "folder of solved cases")->capture_default_str();
+  command->add_flag("--json", options->json, "machine-readable");
+  command->footer("Example:  dragval explain plate_incidence-030_re-1e5_medium");
+  command->callback([options] {
+    nlohmann::json list = nlohmann::json::array();
+    for (const auto& planned : plan_cases(options->input, cfd_cases::find_tools())) list.push_back(explain(planned, options->input));
+    if (options->json) std::cout << list.dump(2) << "\n";
+    else for (const auto& text : list) print(text);
+  });
+}
+
+}  // namespace cli

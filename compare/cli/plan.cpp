@@ -1,0 +1,52 @@
+#include <fmt/format.h>  // before any header of compare: fmt has a function of that name
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "compare/cli/campaign_options.hpp"
+#include "compare/cli/commands.hpp"
+
+namespace cli {
+
+cfd_cases::RunStore run_store() { return {.write = compare::write_run, .read = compare::read_run}; }
+
+std::vector<cfd_cases::PlannedCase> plan_cases(const CampaignInput& input, const cfd_cases::Tools& tools) {
+  auto cases = cfd_cases::plan(cfd_cases::load_matrix(input.matrix), tools, {input.cache}, run_store(), input.only);
+  if (cases.empty()) throw UsageError(fmt::format("--only '{}' leaves no case of the matrix {}: see `dragval plan {}`", input.only, input.matrix, input.matrix));
+  return cases;
+}
+
+void add_plan(CLI::App& app, Context&) {
+  struct Options {
+    CampaignInput input;
+    bool json = false;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("plan", "Lists the cases of a matrix, which of them are solved, and what the others will cost");
+  command->add_option("matrix", options->input.matrix, "smoke, quick, reference or a TOML file")->capture_default_str();
+  command->add_option("--only", options->input.only, "cases whose name holds this, or matches this pattern with * ? []");
+  command->add_option("--cache", options->input.cache, "folder of solved cases")->capture_default_str();
+  command->add_flag("--json", options->json, "machine-readable");
+  command->footer("Example:  dragval plan quick --only 'cone*'");
+  command->callback([options] {
+    const auto cases = plan_cases(options->input, cfd_cases::find_tools());
+    double seconds = 0.0;
+    int missing = 0;
+    nlohmann::json list = nlohmann::json::array();
+    for (const auto& planned : cases) {
+      const std::string state = planned.cached ? case_record::to_string(planned.cached->status) : "to solve";
+      if (!planned.cached) seconds += planned.predicted_cpu_s, ++missing;
+      list.push_back({{"name", planned.spec.name}, {"key", planned.identity.key}, {"state", state}});
+      if (!planned.cached) list.back().update({{"predicted_cpu_s", planned.predicted_cpu_s}, {"prediction", planned.prediction}});
+      if (!options->json)
+        fmt::print("{:<60} {:<21}{}\n", planned.spec.name, state,
+                   planned.cached ? "" : fmt::format("{:6.0f} CPU s  ({})", planned.predicted_cpu_s, planned.prediction));
+    }
+    if (options->json) std::cout << nlohmann::json{{"cases", list}, {"to_solve", missing}, {"predicted_cpu_s", seconds}}.dump(2) << "\n";
+    else fmt::print("{} cases, {} to solve: {:.0f} CPU s\n", cases.size(), missing, seconds);
+  });
+}
+
+}  // namespace cli

@@ -1,0 +1,63 @@
+#include <fmt/format.h>  // before any header of compare: fmt has a function of that name
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+#include <memory>
+
+#include "cfd_cases/subprocess.hpp"
+#include "compare/cli/campaign_options.hpp"
+#include "compare/cli/commands.hpp"
+
+namespace cli {
+
+namespace {
+
+std::atomic<bool> interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler");
+
+/// By the shell's convention: 128 + SIGINT.
+constexpr int kInterrupted = 130;
+
+}  // namespace
+
+void add_run(CLI::App& app, Context& context) {
+  struct Options {
+    CampaignInput input;
+    cfd_cases::CampaignOptions campaign;
+    bool dry_run = false;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("run", "Solves the cases of a matrix that are not in the cache yet, with gmsh and OpenFOAM");
+  command->add_option("matrix", options->input.matrix, "smoke, quick, reference or a TOML file")->capture_default_str();
+  command->add_option("-j,--jobs", options->campaign.jobs, "cases side by side")->check(CLI::Range(1, 1024))->capture_default_str();
+  command->add_option("--ranks", options->campaign.ranks, "MPI ranks of each case")->check(CLI::Range(1, 1024))->capture_default_str();
+  command->add_option("--only", options->input.only, "cases whose name holds this, or matches this pattern with * ? []");
+  command->add_option("--cache", options->input.cache, "folder of solved cases")->capture_default_str();
+  command->add_flag("--dry-run", options->dry_run, "say what would be solved, and end");
+  command->add_flag("--retry-failed", options->campaign.retry_failed, "solve stored cases that failed, diverged or drifted once more");
+  command->add_flag("--keep", options->campaign.keep, "keep the OpenFOAM folders of cases that went well, under CACHE/work");
+  command->footer("Example:  dragval run quick -j2\nCtrl-C, and even kill -9, loses the running cases only; the same command goes on.");
+  command->callback([options, &context] {
+    const cfd_cases::Tools tools = cfd_cases::find_tools();
+    if (options->campaign.ranks > 1 && cfd_cases::find_program("mpirun").empty())
+      throw EnvironmentError("--ranks needs mpirun, which is not on PATH: apt-get install openmpi-bin");
+    const auto cases = plan_cases(options->input, tools);
+    if (options->dry_run) {
+      for (const auto& planned : cases)
+        if (planned.to_solve(options->campaign.retry_failed)) fmt::print("{}\n", planned.spec.name);
+      return;
+    }
+    std::signal(SIGINT, [](int) { interrupted = true; });
+    std::signal(SIGTERM, [](int) { interrupted = true; });
+    const auto result = cfd_cases::run_campaign(cases, tools, {options->input.cache}, run_store(), options->campaign, interrupted);
+    fmt::print("{} solved, {} were in the cache, {} of {} not usable\n", result.solved, result.cached, result.unusable.size(), cases.size());
+    for (const auto& record : result.unusable)
+      fmt::print(stderr, "\n{}: {}, {}\n  folder: {}\n  repeat: dragval run {} --only {} --retry-failed --cache {}\n", record.name, case_record::to_string(record.status),
+                 record.reason, cfd_cases::Cache{options->input.cache}.work(record.key).string(), options->input.matrix, record.name, options->input.cache);
+    if (!result.unusable.empty()) context.exit_code = exit_code::run_failed;
+    if (result.interrupted) context.exit_code = kInterrupted;
+  });
+}
+
+}  // namespace cli
