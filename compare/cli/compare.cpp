@@ -1,0 +1,69 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "compare/cli/commands.hpp"
+#include "compare/error_table.hpp"
+#include "compare/note_table.hpp"
+
+namespace cli {
+
+void add_compare(CLI::App& app, Context& context) {
+  struct Options {
+    SourceOptions source;
+    ModelOptions model;
+    std::vector<std::string> by;
+    std::string format = "table", output = "results/comparison.h5";
+    bool json = false;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("compare", "Predict every case with the drag model and print the errors against the references");
+  command->footer("Example: dragval compare --matrix quick --law consistent --pillow tilt --factor 0.78 --format md");
+  add_source_options(*command, options->source);
+  add_model_options(*command, options->model);
+  command->add_option("--by", options->by, "Group the statistics by any of shape, orientation, Re")->delimiter(',');
+  command->add_option("--format", options->format, "table, md, csv or json")->capture_default_str();
+  command->add_flag("--json", options->json, "The same as --format json");
+  command->add_option("--output", options->output, "HDF5 file for both sides and the errors; \"\" for none")->capture_default_str();
+  command->callback([options, &context] {
+    const compare::Format format = compare::format_from(options->json ? "json" : options->format);
+    std::vector<compare::GroupBy> by;
+    for (const std::string& word : options->by) by.push_back(compare::group_by_from(word));
+    const compare::Predictor model = compare::predictor(options->model.model(), options->model.divisions);
+    const Sources sources = load(options->source);
+    const auto& cases = sources.reference.cases;
+    const compare::ErrorTable table = compare::compare_with(cases, model, options->model.label(), sources.missing, by);
+    const std::vector<dragcore::Law> laws = {dragcore::note_law(), dragcore::consistent_law()};
+    const auto note = compare::note_table(cases, laws);
+    if (format == compare::Format::json) {
+      nlohmann::json document = compare::to_json(table);
+      document["note_table"] = compare::to_json(note, laws);
+      std::cout << document.dump(2) << "\n";
+    } else {
+      const bool colour = ::isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR");
+      std::cout << compare::render(table, format, colour);
+      if (format != compare::Format::csv)
+        std::cout << (format == compare::Format::markdown ? "\n### " : "\n") << "C_D of the note's own table, each on its frontal area\n"
+                  << (format == compare::Format::markdown ? "\n" : "") << compare::render(note, laws, format);
+    }
+    if (table.compared == 0) {
+      std::cerr << "dragval: nothing was compared: no usable case in "
+                << (options->source.cache.empty() ? options->source.store : options->source.cache)
+                << (options->source.matrix.empty() ? "" : " for matrix " + options->source.matrix) << "; run it: dragval run quick\n";
+      context.exit_code = exit_code::nothing_compared;
+      return;
+    }
+    if (options->output.empty()) return;
+    if (const auto folder = std::filesystem::path(options->output).parent_path(); !folder.empty())
+      std::filesystem::create_directories(folder);
+    compare::write_comparison(options->output, {table});
+    std::cerr << "both sides and their errors: " << options->output << "\n";
+  });
+}
+
+}  // namespace cli

@@ -1,0 +1,66 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <set>
+
+#include "cfd_cases/matrix.hpp"
+#include "compare/cli/commands.hpp"
+#include "compare/prediction.hpp"
+#include "compare/uncertainty.hpp"
+
+namespace cli {
+
+dragcore::Model ModelOptions::model() const {
+  if (quadrature != 1 && quadrature != 3 && quadrature != 6)
+    throw UsageError(fmt::format("--quadrature {}: 1, 3 or 6 points per triangle are needed", quadrature));
+  return {dragcore::named_law(law), {dragcore::pillow_form_from(pillow), factor}, static_cast<dragcore::Quadrature>(quadrature)};
+}
+
+std::string ModelOptions::label() const { return pillow == "none" ? law : fmt::format("{}, {} pillow {:g}", law, pillow, factor); }
+
+void add_model_options(CLI::App& command, ModelOptions& options) {
+  command.add_option("--law", options.law, "Pressure law: note or consistent")->capture_default_str();
+  command.add_option("--pillow", options.pillow, "Form of the pillow effect: none, triangle, patch or tilt")->capture_default_str();
+  command.add_option("--factor", options.factor, "Factor of the pillow effect: 0 to 1, of the tilt form 0 to 1.5")->capture_default_str();
+  command.add_option("--quadrature", options.quadrature, "Points per triangle: 1, 3 or 6")->capture_default_str();
+  command.add_option("--divisions", options.divisions, "Fineness of the triangles; 0: 2 on flat sides, 32 per quarter turn")
+      ->capture_default_str();
+}
+
+void add_source_options(CLI::App& command, SourceOptions& options) {
+  CLI::Option* store = command.add_option("--store", options.store, "Collected references")->capture_default_str();
+  command.add_option("--cache", options.cache, "Take the runs of this cache folder instead, .dragval for example")->excludes(store);
+  command.add_option("--matrix", options.matrix,
+                     "Only the cases of this tier or matrix file; those without a result are listed as missing");
+}
+
+Sources load(const SourceOptions& options) {
+  Sources sources;
+  if (options.cache.empty()) {
+    sources.reference = compare::read_reference(options.store);
+  } else {
+    sources.reference = compare::merged({}, compare::read_runs(std::filesystem::path(options.cache) / "runs"));
+  }
+  if (options.matrix.empty()) return sources;
+
+  // By families: where a finer mesh of a case of the matrix is known, it counts too.
+  std::map<std::string, std::string> wanted;
+  for (const cfd_cases::CaseSpec& spec : cfd_cases::load_matrix(options.matrix).cases)
+    wanted[compare::family_name(spec.name, spec.mesh_level)] = spec.name;
+  compare::Reference kept;
+  std::set<std::string> found;
+  for (std::size_t i = 0; i < sources.reference.cases.size(); ++i) {
+    const compare::CaseRecord& record = sources.reference.cases[i];
+    const std::string family = compare::family_name(record.name, record.mesh_level);
+    if (!wanted.contains(family)) continue;
+    found.insert(family);
+    kept.cases.push_back(record);
+    kept.patches.push_back(sources.reference.patches[i]);
+  }
+  for (const auto& [family, name] : wanted)
+    if (!found.contains(family)) sources.missing.push_back(name);
+  sources.reference = std::move(kept);
+  return sources;
+}
+
+}  // namespace cli

@@ -1,0 +1,211 @@
+#include <fmt/color.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "compare/error_table.hpp"
+#include "compare/text_grid.hpp"
+
+namespace compare {
+namespace {
+
+using nlohmann::json;
+std::string percent(const std::optional<double>& ratio) { return ratio ? number_text(100.0 * *ratio, "{:+.1f} %") : ""; }
+
+std::string verdict(const ErrorRow& row) {
+  if (row.verdict) return *row.verdict == Verdict::resolved ? "resolved" : "noise";
+  if (row.status == "missing" || (!row.cfd && !row.reason.empty())) return row.status + ": " + row.reason;
+  return row.cfd ? "" : row.status;
+}
+
+std::string orientation(const ErrorRow& row) {
+  std::string text;
+  for (const auto& [name, angle] : {std::pair{"incidence", row.incidence_deg}, {"yaw", row.yaw_deg}, {"roll", row.roll_deg}})
+    if (std::abs(angle) > 1e-9) text += fmt::format("{}{} {:g}°", text.empty() ? "" : ", ", name, angle);
+  return text.empty() ? "0°" : text;
+}
+
+TextGrid rows_grid(const std::vector<const ErrorRow*>& rows) {
+  TextGrid grid;
+  grid.add({"orientation", "", "model", "CFD", "u", "error", "relative", "verdict", "published", "CFD to it"});
+  std::string previous;
+  for (const ErrorRow* row : rows) {
+    const std::string where = row->status == "missing" ? row->case_name : orientation(*row) + (row->held_out ? " (held out)" : "");
+    const bool usable = row->cfd || row->status == "steady" || row->status == "statistically_steady";
+    const fmt::text_style style = !usable                             ? fg(fmt::terminal_color::red)
+                                  : row->verdict == Verdict::resolved ? fg(fmt::terminal_color::yellow)
+                                                                      : fmt::text_style{};
+    const std::string u = row->cfd ? number_text(row->u, "{:.3g}") + (row->discretisation_assessed ? "" : "*") : "";
+    std::string to_published;
+    if (row->published && row->cfd) to_published = percent((*row->cfd - row->published->value) / row->published->value);
+    grid.add({where == previous ? "" : where, row->status == "missing" ? "" : symbol(row->channel), number_text(row->model),
+              number_text(row->cfd), u, number_text(row->error, "{:+.3f}"), percent(row->relative_error), verdict(*row),
+              row->published ? number_text(row->published->value) : "", to_published},
+             style);
+    previous = where;
+  }
+  return grid;
+}
+
+TextGrid summary_grid(const std::vector<ErrorSummary>& summaries) {
+  TextGrid grid;
+  grid.add({"group", "", "n", "bias", "rms", "rms rel.", "worst", "worst case", "resolved", "bias factor", "scatter"});
+  for (const ErrorSummary& s : summaries)
+    grid.add({s.group, symbol(s.channel), std::to_string(s.n),
+              number_text(s.bias, "{:+.3f}") + (s.bias_half_width ? " ± " + number_text(s.bias_half_width) : ""), number_text(s.rms),
+              s.rms_relative ? number_text(100.0 * *s.rms_relative, "{:.1f} %") : "", number_text(s.worst, "{:+.3f}"), s.worst_case,
+              fmt::format("{}/{}", s.resolved, s.n), number_text(s.bias_factor), number_text(s.scatter)});
+  return grid;
+}
+
+TextGrid published_grid(const std::vector<PublishedCheck>& checks) {
+  TextGrid grid;
+  grid.add({"case", "", "CFD", "published", "±", "difference", "goal", "source"});
+  for (const PublishedCheck& check : checks) {
+    const char* mark = !check.goal_percent ? "" : check.within_goal() ? "within " : "OUTSIDE ";
+    grid.add({check.case_name, check.quantity, number_text(check.cfd), number_text(check.published.value),
+              number_text(check.published.uncertainty),
+              check.quantity.ends_with("_deg") ? number_text(check.difference(), "{:+.1f}°")
+                                               : number_text(check.difference_percent(), "{:+.1f} %"),
+              check.goal_percent ? fmt::format("{}{:g} %", mark, *check.goal_percent) : "",
+              check.published.citation + (check.published.conversion.empty() ? "" : " (area converted)")},
+             check.within_goal() ? fmt::text_style{} : fg(fmt::terminal_color::red));
+  }
+  return grid;
+}
+
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string csv(const ErrorTable& table) {
+  std::string text =
+      "case,shape,incidence_deg,yaw_deg,roll_deg,reynolds,flow_model,mesh_level,held_out,status,channel,model,cfd,u,"
+      "discretisation_assessed,error,relative_error,verdict,published,citation,reason\n";
+  for (const ErrorRow& row : table.rows) {
+    const auto full = [](const std::optional<double>& value) { return number_text(value, "{:.9g}"); };
+    const std::vector<std::string> cells = {row.case_name,
+                                            row.shape,
+                                            full(row.incidence_deg),
+                                            full(row.yaw_deg),
+                                            full(row.roll_deg),
+                                            full(row.reynolds),
+                                            row.flow_model,
+                                            row.mesh_level,
+                                            row.held_out ? "1" : "0",
+                                            row.status,
+                                            row.status == "missing" ? "" : symbol(row.channel),
+                                            full(row.model),
+                                            full(row.cfd),
+                                            row.cfd ? full(row.u) : "",
+                                            row.discretisation_assessed ? "1" : "0",
+                                            full(row.error),
+                                            full(row.relative_error),
+                                            row.verdict ? verdict(row) : "",
+                                            row.published ? full(row.published->value) : "",
+                                            row.published ? row.published->citation : "",
+                                            row.reason};
+    for (std::size_t k = 0; k < cells.size(); ++k) text += (k ? "," : "") + csv_cell(cells[k]);
+    text += "\n";
+  }
+  return text;
+}
+
+json optional_json(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
+
+}  // namespace
+
+Format format_from(const std::string& word) {
+  if (word == "table") return Format::table;
+  if (word == "md") return Format::markdown;
+  if (word == "csv") return Format::csv;
+  if (word == "json") return Format::json;
+  throw std::invalid_argument("unknown format '" + word + "'; known: table, md, csv, json");
+}
+
+json to_json(const ErrorTable& table) {
+  json result = {{"model", table.model_name}, {"compared", table.compared}, {"notes", table.notes}};
+  result["rows"] = result["summaries"] = result["published"] = json::array();
+  for (const ErrorRow& row : table.rows)
+    result["rows"].push_back({{"case", row.case_name},
+                              {"family", row.family},
+                              {"shape", row.shape},
+                              {"incidence_deg", row.incidence_deg},
+                              {"yaw_deg", row.yaw_deg},
+                              {"roll_deg", row.roll_deg},
+                              {"reynolds", row.reynolds},
+                              {"flow_model", row.flow_model},
+                              {"mesh_level", row.mesh_level},
+                              {"held_out", row.held_out},
+                              {"status", row.status},
+                              {"reason", row.reason},
+                              {"channel", row.status == "missing" ? json(nullptr) : json(symbol(row.channel))},
+                              {"model", optional_json(row.model)},
+                              {"cfd", optional_json(row.cfd)},
+                              {"u", row.cfd ? json(row.u) : json(nullptr)},
+                              {"discretisation_assessed", row.discretisation_assessed},
+                              {"error", optional_json(row.error)},
+                              {"relative_error", optional_json(row.relative_error)},
+                              {"verdict", row.verdict ? json(verdict(row)) : json(nullptr)},
+                              {"published", row.published ? json(row.published->value) : json(nullptr)},
+                              {"citation", row.published ? json(row.published->citation) : json(nullptr)}});
+  for (const ErrorSummary& s : table.summaries)
+    result["summaries"].push_back({{"group", s.group},
+                                   {"channel", symbol(s.channel)},
+                                   {"n", s.n},
+                                   {"bias", s.bias},
+                                   {"bias_half_width_95", optional_json(s.bias_half_width)},
+                                   {"rms", s.rms},
+                                   {"rms_relative", optional_json(s.rms_relative)},
+                                   {"worst", s.worst},
+                                   {"worst_case", s.worst_case},
+                                   {"resolved", s.resolved},
+                                   {"bias_factor", optional_json(s.bias_factor)},
+                                   {"scatter", optional_json(s.scatter)}});
+  for (const PublishedCheck& check : table.published)
+    result["published"].push_back({{"case", check.case_name},
+                                   {"quantity", check.quantity},
+                                   {"cfd", check.cfd},
+                                   {"published", check.published.value},
+                                   {"uncertainty", check.published.uncertainty},
+                                   {"difference", check.difference()},
+                                   {"difference_percent", check.difference_percent()},
+                                   {"goal_percent", optional_json(check.goal_percent)},
+                                   {"within_goal", check.within_goal()},
+                                   {"citation", check.published.citation},
+                                   {"conversion", check.published.conversion}});
+  return result;
+}
+
+std::string render(const ErrorTable& table, Format format, bool colour) {
+  if (format == Format::csv) return csv(table);
+  if (format == Format::json) return to_json(table).dump(2) + "\n";
+  const bool terminal = format == Format::table;
+  const auto block = [&](const std::string& title, const TextGrid& grid) {
+    if (!terminal) return "### " + title + "\n\n" + markdown(grid) + "\n";
+    return (colour ? fmt::format(fmt::emphasis::bold, "{}", title) : title) + "\n" + aligned(grid, colour) + "\n";
+  };
+  std::string text;
+  for (auto first = table.rows.begin(); first != table.rows.end();) {
+    std::vector<const ErrorRow*> family;
+    auto row = first;
+    for (; row != table.rows.end() && row->family == first->family; ++row) family.push_back(&*row);
+    text += block(fmt::format("{} (model: {})", first->family, table.model_name), rows_grid(family));
+    first = row;
+  }
+  text += block("Errors of the model, model - CFD; bias with its 95 % interval", summary_grid(table.summaries));
+  if (!table.published.empty())
+    text += block("The CFD against published values, on the reference area of docs/conventions.md", published_grid(table.published));
+  text +=
+      "u: one standard uncertainty of the CFD; u*: without the part of the mesh, which fewer than three levels do not show. resolved: "
+      "|error| > 2u.\n";
+  for (const std::string& note : table.notes) text += (terminal ? "" : "* ") + note + "\n";
+  return text;
+}
+
+}  // namespace compare

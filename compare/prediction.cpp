@@ -1,0 +1,47 @@
+#include "compare/prediction.hpp"
+
+#include <map>
+#include <mutex>
+#include <string>
+#include <tuple>
+
+namespace compare {
+
+int default_divisions(const dragcore::Shape& shape) {
+  return std::holds_alternative<dragcore::Plate>(shape) || std::holds_alternative<dragcore::Box>(shape) ? 2 : 32;
+}
+
+namespace {
+
+/// Surfaces are prepared once per shape and resolution: a report evaluates each of them thousands of times.
+const dragcore::Surface& prepared(const dragcore::Shape& shape, int divisions) {
+  static std::mutex mutex;
+  static std::map<std::tuple<std::string, std::map<std::string, double>, int>, dragcore::Surface> surfaces;
+  const std::scoped_lock lock(mutex);
+  const auto key = std::tuple(dragcore::kind(shape), dragcore::parameters(shape), divisions);
+  const auto found = surfaces.find(key);
+  if (found != surfaces.end()) return found->second;
+  const auto* plate = std::get_if<dragcore::Plate>(&shape);
+  const bool sheet = plate && plate->thickness == 0.0;
+  return surfaces
+      .try_emplace(key, dragcore::triangulate(shape, divisions), sheet ? dragcore::Surface::Sides::two : dragcore::Surface::Sides::one)
+      .first->second;
+}
+
+}  // namespace
+
+dragcore::WrenchByTerm predict(const case_record::CaseRecord& record, const dragcore::Model& model, int divisions) {
+  const dragcore::Surface& surface = prepared(record.shape, divisions > 0 ? divisions : default_divisions(record.shape));
+  const Eigen::Matrix3d to_wind = record.pose.rotation();
+  dragcore::Motion motion;
+  motion.wind = to_wind.transpose() * Eigen::Vector3d(record.speed, 0.0, 0.0);
+  dragcore::WrenchByTerm wrench = dragcore::wrench(surface, motion, {.density = record.density}, model);
+  for (dragcore::Wrench& term : wrench.terms) term = {to_wind * term.force, to_wind * term.torque};
+  return wrench;
+}
+
+Predictor predictor(const dragcore::Model& model, int divisions) {
+  return [model, divisions](const case_record::CaseRecord& record) { return predict(record, model, divisions).total(); };
+}
+
+}  // namespace compare
