@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 
@@ -20,12 +21,21 @@ namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& fault) { throw std::runtime_error("mesh file " + file.string() + ": " + fault); }
 
+/// An ascii STL file ends with "endsolid"; the importer takes a half file for a whole one.
+void check_ascii_end(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  const std::streamoff size = in.tellg();
+  in.seekg(std::max<std::streamoff>(0, size - 200));  // the word, a name and blank lines
+  const std::string tail{std::istreambuf_iterator<char>(in), {}};
+  if (tail.find("endsolid") == std::string::npos) fail(file, "truncated: an ascii STL file ends with 'endsolid'. Export it again");
+}
+
 /// A binary STL file states its number of triangles, 50 bytes each behind 84 of header; the importer would read past a lie.
-void check_stl_size(const std::filesystem::path& file) {
+void check_stl(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   char header[84];
   if (!in.read(header, sizeof header)) {
-    if (in.gcount() >= 5 && std::strncmp(header, "solid", 5) == 0) return;  // a short ascii file
+    if (in.gcount() >= 5 && std::strncmp(header, "solid", 5) == 0) return check_ascii_end(file);
     fail(file, "only " + std::to_string(in.gcount()) + " bytes; a binary STL file has at least 84. Export it again");
   }
   std::uint32_t count = 0;
@@ -36,7 +46,7 @@ void check_stl_size(const std::filesystem::path& file) {
     std::ifstream text(file);
     std::string word;
     for (int i = 0; i < 400 && text >> word; ++i)
-      if (word == "facet" || word == "endsolid") return;  // ascii
+      if (word == "facet" || word == "endsolid") return check_ascii_end(file);
   }
   fail(file, "truncated or damaged: its header promises " + std::to_string(count) + " triangles, " + std::to_string(needed) + " bytes, but it has " +
                  std::to_string(size) + ". Export it again");
@@ -50,7 +60,7 @@ TriangleMesh read_mesh(const std::filesystem::path& file, double unit_m) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (extension != ".stl" && extension != ".obj") fail(file, "unknown kind '" + extension + "'; needed: .stl or .obj");
-  if (extension == ".stl") check_stl_size(file);
+  if (extension == ".stl") check_stl(file);
 
   Assimp::Importer importer;
   // Positions and faces are all that is asked for; points and lines are dropped.

@@ -1,0 +1,211 @@
+#include <dragcore/field_file.hpp>
+
+#include <hdf5.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+using namespace dragcore;
+using Catch::Contains;
+using Eigen::Vector3d;
+
+namespace {
+
+/// A folder of its own for each test, gone with it.
+struct Folder {
+  std::filesystem::path path = std::filesystem::temp_directory_path() / ("dragcore_field_file_" + std::to_string(::getpid()));
+  Folder() { std::filesystem::create_directories(path); }
+  ~Folder() { std::filesystem::remove_all(path); }
+  std::filesystem::path write(const std::string& name, const std::string& contents) const {
+    std::ofstream(path / name, std::ios::binary) << contents;
+    return path / name;
+  }
+};
+
+std::string contents(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+GridField random_field(const Eigen::Vector3i& points, Outside outside) {
+  Grid grid{.points = points,
+            .lower = {-1.25, 0.1, 2.0},
+            .upper = {2.0, 1.7, 1.0 / 3.0 + 2.0},
+            .values = Eigen::Matrix3Xd(3, points.prod()),
+            .outside = outside};
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  for (double& value : grid.values.reshaped()) value = normal(random);
+  grid.values(0, 0) = 1e-300;
+  return GridField(grid);
+}
+
+void check_same(const Grid& a, const Grid& b) {
+  CHECK(a.points == b.points);
+  CHECK(a.lower == b.lower);
+  CHECK(a.upper == b.upper);
+  CHECK(a.values == b.values);
+  CHECK(a.outside == b.outside);
+}
+
+const std::string small_fga = "2, 1, 2,\n-10, -20, -30,\n10, 20, 30,\n1,2,3,\n4,5,6,\n7,8,9,\n-1.5e1,+0,.5,\n";
+
+}  // namespace
+
+TEST_CASE("an FGA file is read as resolution, bounds and vectors, x fastest", "[dragcore][field_file][analytic]") {
+  const Folder folder;
+  // "+0" is not C++'s idea of a number, but other exporters write it.
+  const GridField field = read_fga(folder.write("a.fga", small_fga), {.length_m = 0.01, .speed_m_s = 0.01});
+  CHECK(field.grid().points == Eigen::Vector3i(2, 1, 2));
+  CHECK((field.grid().lower - Vector3d(-0.1, -0.2, -0.3)).norm() < 1e-16);
+  CHECK((field.velocity(Vector3d(0.1, 0.0, -0.3)) - Vector3d(0.04, 0.05, 0.06)).norm() < 1e-16);
+  CHECK((field.velocity(Vector3d(-0.1, 0.0, 0.3)) - Vector3d(0.07, 0.08, 0.09)).norm() < 1e-16);
+  CHECK((field.velocity(Vector3d(0.1, 0.2, 0.3)) - Vector3d(-0.15, 0.0, 0.005)).norm() < 1e-16);
+  // Vectors in the middle of their cells: a quarter of the bounds inside, where an axis has two.
+  const GridField centred = read_fga(folder.path / "a.fga", {.points = FgaPoints::cell_centres, .outside = Outside::clamp});
+  CHECK(centred.grid().lower == Vector3d(-5.0, -20.0, -15.0));
+  CHECK(centred.grid().upper == Vector3d(5.0, 20.0, 15.0));
+  CHECK(centred.velocity(Vector3d(-10.0, 0.0, -30.0)) == Vector3d(1, 2, 3));
+  // Spaces, tabs, one line, no trailing comma, Windows line ends, a byte-order mark, a resolution written as 2.000: all in use.
+  for (const std::string text : {"\xEF\xBB\xBF"
+                                 "2.000000,1.0,1\r\n0,0,0\r\n1,1,1\r\n1,2,3\r\n4,5,6",
+                                 "2 1 1 0 0 0 1 1 1 1 2 3 4 5 6", "2,1,1,\t0,0,0,1,1,1,1,2,3,4,5,6,"})
+    CHECK(read_fga(folder.write("b.fga", text)).velocity(Vector3d(1.0, 0.5, 0.5)) == Vector3d(4, 5, 6));
+}
+
+TEST_CASE("wind fields survive a file to the bit", "[dragcore][field_file][invariance]") {
+  const Folder folder;
+  for (const Eigen::Vector3i& points : {Eigen::Vector3i(1, 1, 1), Eigen::Vector3i(4, 3, 5), Eigen::Vector3i(1, 7, 2)})
+    for (const Outside outside : {Outside::zero, Outside::clamp}) {
+      const GridField field = random_field(points, outside);
+      write_fga(folder.path / "a.fga", field);
+      check_same(read_fga(folder.path / "a.fga", {.outside = outside}).grid(), field.grid());
+      write_field_hdf5(folder.path / "a.h5", field);
+      check_same(read_field_hdf5(folder.path / "a.h5").grid(), field.grid());
+      // Through other units and cell centres: rounding of one product.
+      const FgaMeaning centimetres{.length_m = 0.01, .speed_m_s = 0.01, .points = FgaPoints::cell_centres, .outside = outside};
+      write_fga(folder.path / "b.fga", field, centimetres);
+      const Grid back = read_fga(folder.path / "b.fga", centimetres).grid();
+      CHECK((back.lower - field.grid().lower).norm() < 1e-14);
+      CHECK((back.upper - field.grid().upper).norm() < 1e-14);
+      CHECK((back.values - field.grid().values).cwiseAbs().maxCoeff() < 1e-14);
+    }
+  // The same field, the same bytes; nothing is left beside it.
+  const GridField field = random_field({4, 3, 5}, Outside::zero);
+  write_field_hdf5(folder.path / "c.h5", field);
+  write_field_hdf5(folder.path / "d.h5", field);
+  CHECK(contents(folder.path / "c.h5") == contents(folder.path / "d.h5"));
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path)) CHECK(entry.path().extension() != ".partial");
+}
+
+TEST_CASE("an FGA file that is cut, foreign or wrong gives a message with its fault", "[dragcore][field_file][hard]") {
+  const Folder folder;
+  const auto refused = [&](const std::string& text, const std::string& what) {
+    CHECK_THROWS_WITH(read_fga(folder.write("bad.fga", text)), Contains("bad.fga") && Contains(what));
+  };
+  // Every cut of a good file. The last vector may lose its separators and, unseen by any reader, digits of its last number: 4 bytes at
+  // most.
+  for (std::size_t size = 0; size + 4 < small_fga.size(); ++size) {
+    INFO(size);
+    CHECK_THROWS_AS(read_fga(folder.write("cut.fga", small_fga.substr(0, size))), std::runtime_error);
+  }
+  refused("", "ends where a number of points is needed");
+  refused("2,1,2,-1,-1,-1,1,1,1,1,2,3,4,5,6,7,8,9,10,11", "vector 4 of 4");
+  refused(small_fga + "1", "goes on after its last vector");
+  refused("2,1,1,0,0,0,1,1,1,1,2,3,4,nan,6", "'nan'");
+  refused("2,1,1,0,0,0,1,1,1,1,2,3,4,inf,6", "not a finite number");
+  refused("2,1,1,0,0,0,1,1,1,1,2,3,4,1e999,6", "not a finite number");
+  refused("2,1,1,0,0,0,1,1,1,1,2,3,4,5x,6", "'5x'");
+  refused("2,1,1,0,0,0,1,1,1,1,2,3,4,--5,6", "'--5'");
+  refused("0,1,1,0,0,0,1,1,1", "whole number from 1");
+  refused("1.5,1,1,0,0,0,1,1,1,1,2,3", "whole number from 1");
+  refused("-1,1,1,0,0,0,1,1,1,1,2,3", "whole number from 1");
+  refused("1000,1000,1000,0,0,0,1,1,1,1,2,3", "promises 1000000000 vectors");
+  refused("1e300,1e300,1e300,0,0,0,1,1,1,1,2,3", "whole number from 1");
+  refused("1,1,1,0,0,0,1,0,1,1,2,3", "upper - lower");
+  refused("solid cube", "'solid'");
+  refused(std::string("\x89HDF\r\n\x1a\n\0\0", 10), "not a finite number");
+  CHECK_THROWS_WITH(read_fga(folder.path / "none.fga"), Contains("no such file"));
+  CHECK_THROWS_WITH(read_fga(folder.path), Contains("no such file"));
+  CHECK_THROWS_WITH(read_fga(folder.path / "bad.fga", {.length_m = 0.0}), Contains("length_m"));
+  CHECK_THROWS_WITH(write_fga(folder.path / "no" / "such" / "folder.fga", random_field({1, 1, 1}, Outside::zero)),
+                    Contains("cannot be written"));
+}
+
+TEST_CASE("an HDF5 field file that is cut, foreign or wrong gives a message with its fault", "[dragcore][field_file][hard]") {
+  const Folder folder;
+  const std::filesystem::path good = folder.path / "good.h5", bad = folder.path / "bad.h5";
+  write_field_hdf5(good, random_field({4, 3, 5}, Outside::zero));
+  const std::string whole = contents(good);
+  for (std::size_t size = 0; size < whole.size(); size += size < 600 ? 7 : 61) {
+    INFO(size);
+    CHECK_THROWS_AS(read_field_hdf5(folder.write("bad.h5", whole.substr(0, size))), std::runtime_error);
+  }
+  CHECK_THROWS_WITH(read_field_hdf5(folder.write("bad.h5", small_fga)), Contains("bad.h5") && Contains("not an HDF5 file"));
+  CHECK_THROWS_WITH(read_field_hdf5(folder.path / "none.h5"), Contains("no such file"));
+  CHECK_THROWS_WITH(write_field_hdf5(folder.path / "no" / "such.h5", random_field({1, 1, 1}, Outside::zero)),
+                    Contains("cannot be created"));
+
+  // Every change below is made on a copy of the good file, by the library itself.
+  const auto refused = [&](const auto& change, const std::string& what) {
+    std::filesystem::copy_file(good, bad, std::filesystem::copy_options::overwrite_existing);
+    const hid_t file = H5Fopen(bad.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    REQUIRE(file >= 0);
+    change(file);
+    H5Fclose(file);
+    CHECK_THROWS_WITH(read_field_hdf5(bad), Contains("bad.h5") && Contains(what));
+  };
+  const auto replace_velocity = [](hid_t file, std::vector<hsize_t> shape, hid_t type, bool written = true) {
+    H5Ldelete(file, "velocity", H5P_DEFAULT);
+    const hid_t space = H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr);
+    const hid_t dataset = H5Dcreate2(file, "velocity", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    const std::vector<double> zeros(180);
+    if (written) H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, zeros.data());
+    const hid_t text = H5Tcopy(H5T_C_S1), scalar = H5Screate(H5S_SCALAR);
+    H5Tset_size(text, 3);
+    const hid_t units = H5Acreate2(dataset, "units", text, scalar, H5P_DEFAULT, H5P_DEFAULT);
+    H5Awrite(units, text, "m/s");
+    H5Aclose(units), H5Sclose(scalar), H5Tclose(text), H5Dclose(dataset), H5Sclose(space);
+  };
+  refused([](hid_t file) { H5Adelete(file, "schema"); }, "has no schema");
+  refused([](hid_t file) { H5Adelete(file, "schema_version"); }, "version ''");
+  refused([](hid_t file) { H5Adelete(file, "outside"); }, "needed: 'zero' or 'clamp'");
+  refused([](hid_t file) { H5Ldelete(file, "lower", H5P_DEFAULT); }, "dataset lower is missing");
+  refused([](hid_t file) { H5Adelete_by_name(file, "velocity", "units", H5P_DEFAULT); }, "needed: 'm/s'");
+  refused([&](hid_t file) { replace_velocity(file, {5, 3, 4}, H5T_IEEE_F64LE); }, "shape [5, 3, 4]; needed: [nz, ny, nx, 3]");
+  refused([&](hid_t file) { replace_velocity(file, {5, 3, 4, 3}, H5T_STD_I32LE); }, "floating-point");
+  // Shapes that no memory holds, and values that were never written.
+  refused([&](hid_t file) { replace_velocity(file, {5, 3, 4, 3}, H5T_IEEE_F64LE, false); }, "fewer values");
+  refused([&](hid_t file) { replace_velocity(file, {500, 500, 500, 3}, H5T_IEEE_F64LE, false); }, "fewer values");
+  refused(
+      [](hid_t file) {
+        const hid_t dataset = H5Dopen2(file, "velocity", H5P_DEFAULT);
+        std::vector<double> values(180, std::nan(""));
+        H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+        H5Dclose(dataset);
+      },
+      "must be finite");
+  // Damaged anywhere: structure and values have checksums, so what can be read is what was written.
+  const Grid original = read_field_hdf5(good).grid();
+  std::mt19937 random(8);
+  int found = 0;
+  for (int i = 0; i < 400; ++i) {
+    std::string damaged = whole;
+    damaged[random() % damaged.size()] ^= static_cast<char>(1 << random() % 8);
+    folder.write("damaged.h5", damaged);
+    try {
+      const Grid grid = read_field_hdf5(folder.path / "damaged.h5").grid();
+      CHECK((grid.values == original.values && grid.lower == original.lower && grid.upper == original.upper &&
+             grid.points == original.points));
+    } catch (const std::runtime_error& fault) {
+      ++found;
+      CHECK_THAT(fault.what(), Contains("damaged.h5"));
+    }
+  }
+  CHECK(found > 100);
+}
