@@ -24,7 +24,7 @@ namespace {
 
 /// Where the line of action cuts the body's x axis. A force F at (x, 0, 0) has the moment (0, -x F_z, x F_y).
 std::optional<double> centre_of_pressure(const case_record::CaseRecord& record, const Vector3d& force_wind, const Vector3d& moment_wind) {
-  constexpr double smallest_normal_force = 0.02;  // of the whole force: docs/conventions.md
+  constexpr double smallest_normal_force = 0.05;  // of the whole force: docs/conventions.md
   const Eigen::Matrix3d to_body = record.pose.rotation().transpose();
   const Vector3d across = (to_body * Vector3d::UnitX()).cross(Vector3d::UnitX());  // normal of the plane of wind and chord
   if (across.norm() < 1e-9 || !dragcore::mirror_symmetric(record.shape, across)) return std::nullopt;

@@ -58,8 +58,11 @@ Cell percent_cell(const ErrorRow* row) {
   return {number(100.0 * *row->relative_error, 0, true) + "\u2009%", row->verdict == Verdict::within_noise ? "faint" : ""};
 }
 
+/// "1.007 ± 0.012*"; a small u keeps a digit as far as one makes sense, and the star says that it lacks the part of the mesh.
 std::string with_uncertainty(double value, double u, bool assessed, int decimals) {
-  return number(value, decimals) + " \u00b1 " + number(u, decimals) + (assessed ? "" : "*");
+  constexpr double smallest = 1e-4;
+  const int digits = u > 0.0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(u))), decimals, 4) : decimals;
+  return number(value, decimals) + " \u00b1 " + (u > 0.0 && u < smallest ? "&lt;\u20090.0001" : number(u, digits)) + (assessed ? "" : "*");
 }
 
 /// Statistics of one model over the rows that pass; empty when none does.
@@ -127,6 +130,12 @@ std::string verdict_sentence(const Report& report, const ReportedModel& model, b
       statistics->resolved, statistics->n);
 }
 
+long without_mesh_part(const Report& report) {
+  const auto& rows = report.models.front().table.rows;
+  return std::count_if(rows.begin(), rows.end(),
+                       [](const ErrorRow& row) { return row.channel == Channel::drag && row.cfd && !row.discretisation_assessed; });
+}
+
 std::string verdict_section(const Report& report, const std::vector<Sweep>& list) {
   const ReportedModel& note = report.models.front();
   const ReportedModel& best = best_law(report);
@@ -142,6 +151,12 @@ std::string verdict_section(const Report& report, const std::vector<Sweep>& list
       report.compared(), cases + static_cast<int>(std::count_if(note.table.rows.begin(), note.table.rows.end(), [](const ErrorRow& row) {
                            return row.status == "missing";
                          })));
+  if (const auto blind = without_mesh_part(report); blind > 0)
+    text += fmt::format(
+        "<p>In {} of these cases <i>u</i> (marked *) holds what the iterations and the unsteadiness of the flow leave open, but not the "
+        "part of the mesh: that takes three mesh "
+        "levels of a case. Their 2<i>u</i> is a lower bound.</p>\n",
+        blind);
   std::set<const ReportedModel*> judged = {&note, &best};
   text += "<p>" + verdict_sentence(report, note, false) + (judged.size() > 1 ? verdict_sentence(report, best, false) : "") + "</p>\n";
   if (const std::string unseen = verdict_sentence(report, note, true); !unseen.empty())
@@ -222,14 +237,15 @@ std::string note_section(const Report& report) {
     table.head[0].push_back({escape(law->law), "group", 2});
     for (const char* name : {"<i>C</i><sub>D</sub>", "error"}) table.head[1].push_back({name});
   }
-  table.head[0].push_back({"", "text"});
-  table.head[1].push_back({"why no CFD value", "text"});
+  const auto& rows = report.models.front().table.rows;
   std::vector<dragcore::Law> asked;
   for (const ReportedModel* law : laws) asked.push_back(law->model.law);
   for (NoteRow& row : note_table(report.reference.cases, asked)) {
+    const auto found = std::find_if(rows.begin(), rows.end(), [&](const ErrorRow& other) { return other.case_name == row.case_name; });
+    const bool assessed = found != rows.end() && found->discretisation_assessed;
     std::vector<Cell> cells = {{escape(row.label), "text"},
                                {number(row.published, 2)},
-                               {row.cfd ? number(*row.cfd, 3) + " \u00b1 " + number(row.u, 3) : "\u2013"}};
+                               {row.cfd ? with_uncertainty(*row.cfd, row.u, assessed, 3) : "no usable case", row.cfd ? "" : "faint"}};
     const double reference = row.cfd.value_or(row.published);
     for (std::size_t k = 0; k < laws.size(); ++k) {
       const double value = row.laws[k] ? *row.laws[k] : drag_of_note_body(row.label, asked[k]);
@@ -237,7 +253,6 @@ std::string note_section(const Report& report) {
       cells.push_back({number(value, 3)});
       cells.push_back({row.cfd ? error : "(" + error + ")", row.cfd ? "" : "faint"});
     }
-    cells.push_back({row.cfd ? "" : "no usable case of this body among the references", "text faint"});
     table.rows.push_back(cells);
   }
   return section("note", "The note's own table", table.text());
@@ -304,7 +319,7 @@ std::string error_table(const Report& report, const Sweep& sweep, Channel channe
   }
   const int model_columns = static_cast<int>(models.size()) * (wide ? 3 : 1);
   for (const ErrorRow* row : rows) {
-    std::vector<Cell> cells = {{degrees(sweep.angle_of(*row)) + (row->held_out ? " held out" : ""), "text"}};
+    std::vector<Cell> cells = {{degrees(sweep.angle_of(*row)) + (row->held_out ? " held out" : ""), "text tight"}};
     if (!row->cfd) {
       const std::string why = case_record::is_usable(case_record::status_from(row->status))
                                   ? "not defined: the force has no part across the chord"

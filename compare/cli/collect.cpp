@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
-#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -12,21 +10,6 @@
 #include "compare/cli/commands.hpp"
 
 namespace cli {
-namespace {
-
-/// Revision of the tree that the program works in; "unknown" outside a repository.
-std::string revision() {
-  std::string text;
-  if (std::FILE* pipe = ::popen("git describe --always --dirty 2>/dev/null", "r")) {
-    std::array<char, 128> buffer;
-    while (std::fgets(buffer.data(), buffer.size(), pipe)) text += buffer.data();
-    ::pclose(pipe);
-  }
-  text.erase(text.find_last_not_of(" \n") + 1);
-  return text.empty() ? "unknown" : text;
-}
-
-}  // namespace
 
 void add_collect(CLI::App& app, Context& context) {
   struct Options {

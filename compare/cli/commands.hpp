@@ -79,4 +79,7 @@ struct Sources {
 };
 Sources load(const SourceOptions& options);
 
+/// Revision of the tree that the program works in, for provenance; "unknown" outside a repository.
+std::string revision();
+
 }  // namespace cli

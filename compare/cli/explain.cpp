@@ -33,20 +33,25 @@ fs::path newest_log(const fs::path& folder) {
   fs::path newest;
   if (!fs::exists(folder)) return newest;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.path().filename().string().starts_with("log.") && (newest.empty() || entry.last_write_time() > fs::last_write_time(newest))) newest = entry.path();
+    if (entry.path().filename().string().starts_with("log.") && (newest.empty() || entry.last_write_time() > fs::last_write_time(newest)))
+      newest = entry.path();
   return newest;
 }
 
 nlohmann::json explain(const cfd_cases::PlannedCase& planned, const CampaignInput& input) {
   const cfd_cases::Cache cache{input.cache};
-  nlohmann::json text{{"name", planned.spec.name}, {"key", planned.identity.key}, {"attempts", nlohmann::json::array()}, {"differs_from_stored", nlohmann::json::array()}};
+  nlohmann::json text{{"name", planned.spec.name},
+                      {"key", planned.identity.key},
+                      {"attempts", nlohmann::json::array()},
+                      {"differs_from_stored", nlohmann::json::array()}};
   text["rerun"] = fmt::format("dragval run {} --only {} --retry-failed --cache {}", input.matrix, planned.spec.name, input.cache);
   if (planned.cached) {
     text["state"] = case_record::to_string(planned.cached->status);
     text["reason"] = planned.cached->reason;
     text["finished"] = planned.cached->finished;
     for (const auto& attempt : planned.cached->attempts)
-      text["attempts"].push_back({{"recipe", attempt.recipe}, {"status", case_record::to_string(attempt.status)}, {"reason", attempt.reason}});
+      text["attempts"].push_back(
+          {{"recipe", attempt.recipe}, {"status", case_record::to_string(attempt.status)}, {"reason", attempt.reason}});
   } else {
     text["state"] = "to solve";
     text["reason"] = "no run of this name is stored";
@@ -70,10 +75,11 @@ void print(const nlohmann::json& text) {
   if (!word("reason").empty()) fmt::print("  reason:   {}\n", word("reason"));
   for (const auto& line : text.at("differs_from_stored")) fmt::print("            {}\n", line.get<std::string>());
   for (const auto& attempt : text.at("attempts"))
-    fmt::print("  attempt:  {}: {}{}{}\n", attempt.at("recipe").get<std::string>(), attempt.at("status").get<std::string>(), attempt.at("reason") == "" ? "" : ", ",
-               attempt.at("reason").get<std::string>());
+    fmt::print("  attempt:  {}: {}{}{}\n", attempt.at("recipe").get<std::string>(), attempt.at("status").get<std::string>(),
+               attempt.at("reason") == "" ? "" : ", ", attempt.at("reason").get<std::string>());
   if (!word("log").empty()) fmt::print("  log:      {}\n            {}\n", word("log"), word("log_excerpt"));
-  fmt::print("  folder:   {}\n  key:      {}\n  rerun:    {}\n", word("folder").empty() ? "not kept" : word("folder"), word("key"), word("rerun"));
+  fmt::print("  folder:   {}\n  key:      {}\n  rerun:    {}\n", word("folder").empty() ? "not kept" : word("folder"), word("key"),
+             word("rerun"));
 }
 
 }  // namespace
@@ -84,7 +90,8 @@ void add_explain(CLI::App& app, Context&) {
     bool json = false;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("explain", "Says why a case is missing, stale or failed: attempts, log, folder and the command to repeat it");
+  CLI::App* command =
+      app.add_subcommand("explain", "Says why a case is missing, stale or failed: attempts, log, folder and the command to repeat it");
   command->add_option("case", options->input.only, "name of a case, part of one, or a pattern")->required();
   command->add_option("--matrix", options->input.matrix, "smoke, quick, reference or a TOML file")->capture_default_str();
   command->add_option("--cache", options->input.cache, "folder of solved cases")->capture_default_str();
@@ -93,8 +100,10 @@ void add_explain(CLI::App& app, Context&) {
   command->callback([options] {
     nlohmann::json list = nlohmann::json::array();
     for (const auto& planned : plan_cases(options->input, cfd_cases::find_tools())) list.push_back(explain(planned, options->input));
-    if (options->json) std::cout << list.dump(2) << "\n";
-    else for (const auto& text : list) print(text);
+    if (options->json)
+      std::cout << list.dump(2) << "\n";
+    else
+      for (const auto& text : list) print(text);
   });
 }
 

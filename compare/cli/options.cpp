@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
+#include <cstdio>
 #include <set>
 
 #include "cfd_cases/matrix.hpp"
@@ -61,6 +63,17 @@ Sources load(const SourceOptions& options) {
     if (!found.contains(family)) sources.missing.push_back(name);
   sources.reference = std::move(kept);
   return sources;
+}
+
+std::string revision() {
+  std::string text;
+  if (std::FILE* pipe = ::popen("git describe --always --dirty 2>/dev/null", "r")) {
+    std::array<char, 128> buffer;
+    while (std::fgets(buffer.data(), buffer.size(), pipe)) text += buffer.data();
+    ::pclose(pipe);
+  }
+  text.erase(text.find_last_not_of(" \n") + 1);
+  return text.empty() ? "unknown" : text;
 }
 
 }  // namespace cli

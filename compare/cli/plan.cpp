@@ -14,7 +14,9 @@ cfd_cases::RunStore run_store() { return {.write = compare::write_run, .read = c
 
 std::vector<cfd_cases::PlannedCase> plan_cases(const CampaignInput& input, const cfd_cases::Tools& tools) {
   auto cases = cfd_cases::plan(cfd_cases::load_matrix(input.matrix), tools, {input.cache}, run_store(), input.only);
-  if (cases.empty()) throw UsageError(fmt::format("--only '{}' leaves no case of the matrix {}: see `dragval plan {}`", input.only, input.matrix, input.matrix));
+  if (cases.empty())
+    throw UsageError(
+        fmt::format("--only '{}' leaves no case of the matrix {}: see `dragval plan {}`", input.only, input.matrix, input.matrix));
   return cases;
 }
 
@@ -44,8 +46,10 @@ void add_plan(CLI::App& app, Context&) {
         fmt::print("{:<60} {:<21}{}\n", planned.spec.name, state,
                    planned.cached ? "" : fmt::format("{:6.0f} CPU s  ({})", planned.predicted_cpu_s, planned.prediction));
     }
-    if (options->json) std::cout << nlohmann::json{{"cases", list}, {"to_solve", missing}, {"predicted_cpu_s", seconds}}.dump(2) << "\n";
-    else fmt::print("{} cases, {} to solve: {:.0f} CPU s\n", cases.size(), missing, seconds);
+    if (options->json)
+      std::cout << nlohmann::json{{"cases", list}, {"to_solve", missing}, {"predicted_cpu_s", seconds}}.dump(2) << "\n";
+    else
+      fmt::print("{} cases, {} to solve: {:.0f} CPU s\n", cases.size(), missing, seconds);
   });
 }
 

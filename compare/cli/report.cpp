@@ -30,6 +30,7 @@ void add_report(CLI::App& app, Context& context) {
     Sources sources = load(options->source);
     compare::Report report = compare::make_report(std::move(sources.reference), sources.missing, options->quick_cost);
     report.source = options->source.cache.empty() ? options->source.store : options->source.cache;
+    report.commit = revision();
     if (report.compared() == 0) {
       fmt::print(
           stderr,

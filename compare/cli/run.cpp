@@ -51,10 +51,12 @@ void add_run(CLI::App& app, Context& context) {
     std::signal(SIGINT, [](int) { interrupted = true; });
     std::signal(SIGTERM, [](int) { interrupted = true; });
     const auto result = cfd_cases::run_campaign(cases, tools, {options->input.cache}, run_store(), options->campaign, interrupted);
-    fmt::print("{} solved, {} were in the cache, {} of {} not usable\n", result.solved, result.cached, result.unusable.size(), cases.size());
+    fmt::print("{} solved, {} were in the cache, {} of {} not usable\n", result.solved, result.cached, result.unusable.size(),
+               cases.size());
     for (const auto& record : result.unusable)
-      fmt::print(stderr, "\n{}: {}, {}\n  folder: {}\n  repeat: dragval run {} --only {} --retry-failed --cache {}\n", record.name, case_record::to_string(record.status),
-                 record.reason, cfd_cases::Cache{options->input.cache}.work(record.key).string(), options->input.matrix, record.name, options->input.cache);
+      fmt::print(stderr, "\n{}: {}, {}\n  folder: {}\n  repeat: dragval run {} --only {} --retry-failed --cache {}\n", record.name,
+                 case_record::to_string(record.status), record.reason, cfd_cases::Cache{options->input.cache}.work(record.key).string(),
+                 options->input.matrix, record.name, options->input.cache);
     if (!result.unusable.empty()) context.exit_code = exit_code::run_failed;
     if (result.interrupted) context.exit_code = kInterrupted;
   });

@@ -65,7 +65,7 @@ TEST_CASE("noise in the references shows in intervals and left-out errors", "[co
   CHECK(drag.estimates[0].value < drag.estimates[0].interval->second);
   CHECK(drag.estimates[0].interval->second - drag.estimates[0].interval->first > 0.01);
   CHECK(drag.errors[0].left_out_pose > drag.errors[0].in_sample);
-  CHECK(drag.correlation[0][1] == drag.correlation[1][0]);
+  CHECK_THAT(drag.correlation[0][1], WithinAbs(drag.correlation[1][0], 1e-12));
   CHECK(drag.condition_number > 1.0);
 }
 
@@ -106,7 +106,7 @@ TEST_CASE("the cost table has an error of zero for the model that made the refer
   fine.mesh_level = "fine";
   fine.name.replace(fine.name.find("medium"), 6, "fine");
   fine.cells *= 3;
-  fine.load.force_pressure.x() += 0.05;
+  fine.load.force_pressure.x() += 0.05;  // q A_ref = 1/2: C_D changes by twice as much
   fine.cost["solve"] = {40.0, 41.0};
   records[4].load.force_pressure.x() += 0.07;
   records.push_back(fine);
@@ -125,7 +125,7 @@ TEST_CASE("the cost table has an error of zero for the model that made the refer
   for (const CfdCost& row : table.cfd)
     if (row.drag_error) {
       CHECK(row.mesh_level == "medium");
-      CHECK_THAT(*row.drag_error, WithinAbs(0.02, 1e-12));
+      CHECK_THAT(*row.drag_error, WithinAbs(0.04, 1e-12));
     } else if (row.finest) {
       CHECK_THAT(row.total_s, WithinAbs(40.0, 1e-12));
     }

@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# Draws the README's figures from the references: docs/figures/*.svg. Arguments go to `dragval report`, e.g. --cache .dragval
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+specs=$(mktemp -d)
+trap 'rm -r "$specs"' EXIT
+build/release/bin/dragval report "$@" --specs "$specs"
+mkdir -p docs/figures
+for name in drag_against_orientation cost; do
+  node compare/report/node_modules/vega-lite/bin/vl2svg "$specs/$name.vl.json" "docs/figures/$name.svg"
+  echo "docs/figures/$name.svg"
+done
