@@ -32,7 +32,8 @@ double total_cpu_s(const CaseRecord& record) {
   return sum;
 }
 
-/// CPU seconds of a case of the quick tier, by level; measured on two cores of 2020s server hardware.
+/// CPU seconds of a case by level, before anything is stored: measured in the quick tier (coarse, medium) and scaled by cells and
+/// iterations.
 double default_cpu_s(const CaseSpec& spec) {
   static const std::map<std::string, double> seconds{{"coarse", 5.0}, {"medium", 14.0}, {"fine", 50.0}, {"finest", 180.0}};
   return seconds.at(spec.mesh_level);
@@ -64,9 +65,11 @@ class Display {
     spent_wall_s_ += wall_s;
     spent_predicted_s_ += planned.predicted_cpu_s;
     const double area = 0.5 * record.density * record.speed * record.speed * dragcore::properties(record.shape).reference_area;
-    const std::string result = case_record::is_usable(record.status) ? fmt::format("C_D {:.4f}", record.load.force().x() / area) : record.reason;
-    std::fprintf(stderr, "%s[%zu/%zu] %s: %s, %s (%d cells, %d iterations, %.0f s); %s\n", terminal_ ? "\r\033[K" : "", done_, total_, planned.spec.name.c_str(),
-                 case_record::to_string(record.status).c_str(), result.c_str(), record.cells, record.iterations, wall_s, left().c_str());
+    const std::string result =
+        case_record::is_usable(record.status) ? fmt::format("C_D {:.4f}", record.load.force().x() / area) : record.reason;
+    std::fprintf(stderr, "%s[%zu/%zu] %s: %s, %s (%d cells, %d iterations, %.0f s); %s\n", terminal_ ? "\r\033[K" : "", done_, total_,
+                 planned.spec.name.c_str(), case_record::to_string(record.status).c_str(), result.c_str(), record.cells, record.iterations,
+                 wall_s, left().c_str());
   }
   void say(const std::string& text) {
     const std::lock_guard guard(mutex_);
@@ -81,7 +84,9 @@ class Display {
   std::string left() const {
     const double pace = spent_predicted_s_ > 0.0 ? spent_wall_s_ / spent_predicted_s_ : 1.0;
     const double seconds = std::max(0.0, remaining_cpu_s_) * pace / jobs_;
-    return seconds < 1.0 ? "nothing left" : seconds < 90.0 ? fmt::format("{:.0f} s left", seconds) : fmt::format("{:.0f} min left", seconds / 60.0);
+    return seconds < 1.0    ? "nothing left"
+           : seconds < 90.0 ? fmt::format("{:.0f} s left", seconds)
+                            : fmt::format("{:.0f} min left", seconds / 60.0);
   }
 
   const bool terminal_ = isatty(STDERR_FILENO) != 0;
@@ -95,7 +100,8 @@ class Display {
 
 }  // namespace
 
-std::vector<PlannedCase> plan(const Matrix& matrix, const Tools& tools, const Cache& cache, const RunStore& store, const std::string& only) {
+std::vector<PlannedCase> plan(const Matrix& matrix, const Tools& tools, const Cache& cache, const RunStore& store,
+                              const std::string& only) {
   std::vector<PlannedCase> cases;
   std::map<std::string, std::pair<double, int>> costs;  // sum and number of stored costs, by likeness
   const auto like = [](const CaseSpec& spec) { return spec.flow_model + " " + spec.mesh_level; };
@@ -158,7 +164,8 @@ CampaignResult run_campaign(const std::vector<PlannedCase>& cases, const Tools& 
     }
     const bool solved_here = !record;
     if (solved_here) {
-      record = solve_case(planned.spec, planned.identity, tools, cache, options.ranks, cancel, [&](const Progress& at) { display.update(planned.spec.name, at); });
+      record = solve_case(planned.spec, planned.identity, tools, cache, options.ranks, cancel,
+                          [&](const Progress& at) { display.update(planned.spec.name, at); });
       store.write(target, *record);
       if (case_record::is_usable(record->status) && !options.keep) fs::remove_all(cache.work(key));
     }

@@ -13,7 +13,8 @@
 
 namespace cfd_cases {
 
-/// How finished cases are kept: cfd_cases knows records, the caller knows the file format. Both throw when the file system or the file is bad.
+/// How finished cases are kept: cfd_cases knows records, the caller knows the file format. Both throw when the file system or the file is
+/// bad.
 struct RunStore {
   std::function<void(const std::filesystem::path&, const case_record::CaseRecord&)> write;
   std::function<case_record::CaseRecord(const std::filesystem::path&)> read;
@@ -31,8 +32,10 @@ struct PlannedCase {
 };
 
 /// @param only  a shell pattern (* ? [...]) on case names, or part of a name; empty for all
-/// Predictions are the mean cost of cached cases with the same flow model, level and shape, then of any shape, then a default measured once.
-std::vector<PlannedCase> plan(const Matrix& matrix, const Tools& tools, const Cache& cache, const RunStore& store, const std::string& only = {});
+/// Predictions are the mean cost of cached cases with the same flow model, level and shape, then of any shape, then a default measured
+/// once.
+std::vector<PlannedCase> plan(const Matrix& matrix, const Tools& tools, const Cache& cache, const RunStore& store,
+                              const std::string& only = {});
 
 struct CampaignOptions {
   int jobs = 1;   ///< cases side by side
@@ -42,15 +45,15 @@ struct CampaignOptions {
 };
 
 struct CampaignResult {
-  int solved = 0;    ///< now, usable or not
-  int cached = 0;    ///< before, or by somebody else meanwhile
+  int solved = 0;  ///< now, usable or not
+  int cached = 0;  ///< before, or by somebody else meanwhile
   bool interrupted = false;
   std::vector<case_record::CaseRecord> unusable;  ///< of all cases planned
 };
 
-/// Solves what is missing and stores each case as it ends. Cases are independent: after a kill at any moment only those at work are lost. Campaigns
-/// on the same cache share the work: a case that another one holds is left to it and waited for at the end.
-/// Progress goes to stderr: one line per finished case, and on a terminal a status line besides.
+/// Solves what is missing and stores each case as it ends. Cases are independent: after a kill at any moment only those at work are lost.
+/// Campaigns on the same cache share the work: a case that another one holds is left to it and waited for at the end. Progress goes to
+/// stderr: one line per finished case, and on a terminal a status line besides.
 CampaignResult run_campaign(const std::vector<PlannedCase>& cases, const Tools& tools, const Cache& cache, const RunStore& store,
                             const CampaignOptions& options, const std::atomic<bool>& cancel);
 

@@ -23,8 +23,9 @@ CaseIdentity identify(const CaseSpec& spec, const Tools& tools) {
   id.symmetry = find_symmetry(spec.shape, spec.pose.radians());
   id.recipe.refinement = refinement_of(spec.mesh_level);
   const nlohmann::json pose{{"incidence_deg", spec.pose.incidence}, {"yaw_deg", spec.pose.yaw}, {"roll_deg", spec.pose.roll}};
-  const nlohmann::json mesh{{"shape", to_json(spec.shape)}, {"pose", pose}, {"symmetry", to_string(id.symmetry)}, {"recipe", to_json(id.recipe)},
-                            {"size_factors", kSizeFactors}, {"tools", tools.versions()}};
+  const nlohmann::json mesh{{"shape", to_json(spec.shape)},       {"pose", pose},
+                            {"symmetry", to_string(id.symmetry)}, {"recipe", to_json(id.recipe)},
+                            {"size_factors", kSizeFactors},       {"tools", tools.versions()}};
   id.mesh_description = mesh.dump();
   id.mesh_key = sha256(id.mesh_description);
 
@@ -32,11 +33,25 @@ CaseIdentity identify(const CaseSpec& spec, const Tools& tools) {
   for (const Rung rung : {Rung::standard, Rung::cautious})
     for (const auto& [path, text] : dictionaries(spec, id.symmetry, rung)) files += path + "\n" + text;
   const StopPolicy& s = spec.stop;
-  const nlohmann::json description{
-      {"schema", 1}, {"shape", to_json(spec.shape)}, {"pose", pose}, {"reynolds", spec.reynolds}, {"flow_model", spec.flow_model},
-      {"speed_m_s", kSpeed}, {"density_kg_m3", kDensity}, {"mesh_level", spec.mesh_level}, {"mesh", mesh}, {"dictionaries_sha256", sha256(files)},
-      {"stop", {{"min_iterations", s.min_iterations}, {"max_iterations", s.max_iterations}, {"window", s.window}, {"average", s.average}, {"tolerance", s.tolerance}, {"floor", s.floor}}},
-      {"retries", spec.retries}, {"tools", tools.versions()}};
+  const nlohmann::json description{{"schema", 1},
+                                   {"shape", to_json(spec.shape)},
+                                   {"pose", pose},
+                                   {"reynolds", spec.reynolds},
+                                   {"flow_model", spec.flow_model},
+                                   {"speed_m_s", kSpeed},
+                                   {"density_kg_m3", kDensity},
+                                   {"mesh_level", spec.mesh_level},
+                                   {"mesh", mesh},
+                                   {"dictionaries_sha256", sha256(files)},
+                                   {"stop",
+                                    {{"min_iterations", s.min_iterations},
+                                     {"max_iterations", s.max_iterations},
+                                     {"window", s.window},
+                                     {"average", s.average},
+                                     {"tolerance", s.tolerance},
+                                     {"floor", s.floor}}},
+                                   {"retries", spec.retries},
+                                   {"tools", tools.versions()}};
   id.description = description.dump();
   id.key = sha256(id.description);
   return id;

@@ -8,9 +8,9 @@
 
 namespace cfd_cases {
 
-/// Under which name a case and its mesh are stored. Both keys are the SHA-256 of a canonical description (JSON, sorted, shortest numbers) of all that
-/// determines the result: shape, pose, Reynolds number, flow model, mesh recipe and level, generated dictionaries, stop policy, tool
-/// versions. What does not (ranks, host, paths, time-out, tier, held_out, name) is left out.
+/// Under which name a case and its mesh are stored. Both keys are the SHA-256 of a canonical description (JSON, sorted, shortest numbers)
+/// of all that determines the result: shape, pose, Reynolds number, flow model, mesh recipe and level, generated dictionaries, stop policy,
+/// tool versions. What does not (ranks, host, paths, time-out, tier, held_out, name) is left out.
 struct CaseIdentity {
   Symmetry symmetry = Symmetry::none;
   MeshRecipe recipe;

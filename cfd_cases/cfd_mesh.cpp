@@ -30,7 +30,8 @@ struct Solid {
   double nose;
 
   int operator()(const dragcore::Plate& s) const {
-    if (s.thickness <= 0.0) throw std::invalid_argument("a sheet cannot be meshed: thickness = 0, but it must be greater than 0; 0.05 chords meshes cleanly");
+    if (s.thickness <= 0.0)
+      throw std::invalid_argument("a sheet cannot be meshed: thickness = 0, but it must be greater than 0; 0.05 chords meshes cleanly");
     return (*this)(dragcore::Box{s.chord, s.span, s.thickness});
   }
   int operator()(const dragcore::Box& s) const {
@@ -94,7 +95,8 @@ void make_mesh(const nlohmann::json& request, const std::string& output) {
   std::vector<Entities> origins;
   occ::cut({{3, box}}, {{3, body}}, air, origins);
   occ::synchronize();
-  if (air.size() != 1 || air[0].first != 3) throw std::runtime_error("cutting the body out of the air left " + std::to_string(air.size()) + " regions, needed 1");
+  if (air.size() != 1 || air[0].first != 3)
+    throw std::runtime_error("cutting the body out of the air left " + std::to_string(air.size()) + " regions, needed 1");
 
   // Patches by place: a face that is flat in a side of the box belongs to it, the others are the body.
   std::map<std::string, std::vector<int>> patches;
@@ -106,7 +108,8 @@ void make_mesh(const nlohmann::json& request, const std::string& output) {
     gmsh::model::getBoundingBox(dim, tag, a.x(), a.y(), a.z(), b.x(), b.y(), b.z());
     std::string patch = "body";
     for (int axis = 0; axis < 3; ++axis) {
-      if (std::abs(a[axis] - inlet[axis]) < eps && std::abs(b[axis] - inlet[axis]) < eps) patch = axis == 0 ? "inlet" : axis == halved ? "symmetry" : "sides";
+      if (std::abs(a[axis] - inlet[axis]) < eps && std::abs(b[axis] - inlet[axis]) < eps)
+        patch = axis == 0 ? "inlet" : axis == halved ? "symmetry" : "sides";
       if (std::abs(a[axis] - outlet[axis]) < eps && std::abs(b[axis] - outlet[axis]) < eps) patch = axis == 0 ? "outlet" : "sides";
     }
     patches[patch].push_back(tag);
@@ -127,7 +130,8 @@ void make_mesh(const nlohmann::json& request, const std::string& output) {
     const double from_tip = scale * recipe.tip_size + recipe.growth * cfd_cases::distance_to_tip(shape, to_body * p);
     return recipe.refinement * std::min({from_body, from_tip, from_wake, from_outer, scale * recipe.far_size});
   });
-  for (const char* source : {"Mesh.CharacteristicLengthExtendFromBoundary", "Mesh.CharacteristicLengthFromPoints", "Mesh.CharacteristicLengthFromCurvature"})
+  for (const char* source :
+       {"Mesh.CharacteristicLengthExtendFromBoundary", "Mesh.CharacteristicLengthFromPoints", "Mesh.CharacteristicLengthFromCurvature"})
     gmsh::option::setNumber(source, 0);
   gmsh::option::setNumber("Mesh.MshFileVersion", 2.2);
   gmsh::model::mesh::generate(3);

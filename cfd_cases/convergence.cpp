@@ -1,9 +1,10 @@
 #include "cfd_cases/convergence.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fmt/format.h>
 
 namespace cfd_cases {
 
@@ -59,9 +60,12 @@ Verdict judge(const std::vector<Channels>& series, const StopPolicy& policy, dou
   for (int c = 0; c < 6; ++c) {
     // The impulsive start throws forces a hundred times too large: only what lasts beyond the first window is a divergence.
     if (!std::isfinite(now[c]) || ((ended || n > policy.window) && std::abs(now[c]) > (ended ? 1.0 : 100.0) * plausible))
-      return give_up(Status::diverged, fmt::format("{} = {:.4g} after {} iterations, plausible is up to {:.3g}", kChannelNames[static_cast<std::size_t>(c)], now[c], n, plausible));
+      return give_up(Status::diverged, fmt::format("{} = {:.4g} after {} iterations, plausible is up to {:.3g}",
+                                                   kChannelNames[static_cast<std::size_t>(c)], now[c], n, plausible));
   }
-  if (ended && now[0] <= 0.0) return give_up(Status::diverged, fmt::format("C_D = {:.4g} after {} iterations, but a body at rest cannot be pulled upwind", now[0], n));
+  if (ended && now[0] <= 0.0)
+    return give_up(Status::diverged,
+                   fmt::format("C_D = {:.4g} after {} iterations, but a body at rest cannot be pulled upwind", now[0], n));
   if (!ended && n < policy.min_iterations) return verdict;
 
   const Eigen::Index window = std::min<Eigen::Index>(policy.window, n);
@@ -84,7 +88,8 @@ Verdict judge(const std::vector<Channels>& series, const StopPolicy& policy, dou
     bool stationary = true;
     for (int c = 0; c < 6; ++c) {
       error[c] = standard_error(late.row(c).transpose());
-      const double of_halves = std::hypot(standard_error(late.row(c).head(half).transpose()), standard_error(late.row(c).tail(half).transpose()));
+      const double of_halves =
+          std::hypot(standard_error(late.row(c).head(half).transpose()), standard_error(late.row(c).tail(half).transpose()));
       stationary = stationary && difference[c] <= 2.0 * of_halves + allowed;
     }
     // 1 % of C_D is what the medium mesh itself is good for: averaging longer would buy nothing.
@@ -100,8 +105,11 @@ Verdict judge(const std::vector<Channels>& series, const StopPolicy& policy, dou
   if (ended) {
     Eigen::Index worst = 0;
     const double largest = spread.maxCoeff(&worst);
-    return give_up(Status::drifting, fmt::format("{} still moves by {:.2g} within {} iterations after {} of them, allowed is {:.2g}: raise max_iterations, or use a finer mesh",
-                                                 kChannelNames[static_cast<std::size_t>(worst)], largest, window, n, allowed));
+    return give_up(
+        Status::drifting,
+        fmt::format(
+            "{} still moves by {:.2g} within {} iterations after {} of them, allowed is {:.2g}: raise max_iterations, or use a finer mesh",
+            kChannelNames[static_cast<std::size_t>(worst)], largest, window, n, allowed));
   }
   return verdict;
 }

@@ -28,7 +28,8 @@ struct Verdict {
 
 /// Judges a series of channels, one per iteration. Residuals are not asked: they level off and say nothing.
 ///
-/// * steady: over the last `window` iterations every channel keeps within `tolerance` of max(|C_D|, floor), from its smallest to its largest value
+/// * steady: over the last `window` iterations every channel keeps within `tolerance` of max(|C_D|, floor), from its smallest to its
+/// largest value
 ///   and by the slope of its trend. The mean of the last `average` is the result; u_iteration is half the spread over the window.
 /// * statistically_steady, tried from 3 windows on: over the later half of the run the means of its halves differ by less than twice the
 ///   standard error of that difference plus the tolerance, and the standard error of the mean is below 1 % of max(|C_D|, floor).

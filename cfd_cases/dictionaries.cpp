@@ -1,7 +1,8 @@
 #include "cfd_cases/dictionaries.hpp"
 
-#include <algorithm>
 #include <fmt/format.h>
+
+#include <algorithm>
 
 namespace cfd_cases {
 
@@ -27,7 +28,8 @@ functions
   shear {{ type wallShearStress; libs (fieldFunctionObjects); patches (body); writeControl writeTime; log no; }}
   stop {{ type abort; libs (utilityFunctionObjects); file "<case>/stop"; action writeNow; }}
 }}
-)foam", iterations, kDensity);
+)foam",
+                                                           iterations, kDensity);
 }
 
 std::string schemes(const Numerics& n) {
@@ -51,7 +53,8 @@ laplacianSchemes {{ default Gauss linear corrected; }}
 interpolationSchemes {{ default linear; }}
 snGradSchemes {{ default corrected; }}
 wallDist {{ method meshWave; }}
-)foam", gradient, convection);
+)foam",
+                                                         gradient, convection);
 }
 
 std::string solution(const Numerics& n) {
@@ -67,12 +70,13 @@ relaxationFactors
   fields {{ p {0}; }}
   equations {{ U {1}; "(k|omega)" {2}; }}
 }}
-)foam", n.relaxation_pressure, n.relaxation_velocity, n.relaxation_turbulence);
+)foam",
+                                                          n.relaxation_pressure, n.relaxation_velocity, n.relaxation_turbulence);
 }
 
 /// A boundary field; the slip sides and the symmetry plane are the same for all.
-std::string field(const std::string& name, const std::string& type, const std::string& dimensions, const std::string& initial, const std::string& inlet,
-                  const std::string& outlet, const std::string& body, Symmetry symmetry) {
+std::string field(const std::string& name, const std::string& type, const std::string& dimensions, const std::string& initial,
+                  const std::string& inlet, const std::string& outlet, const std::string& body, Symmetry symmetry) {
   return header(type, name) + fmt::format("dimensions {};\ninternalField uniform {};\nboundaryField\n{{\n", dimensions, initial) +
          fmt::format("  inlet {{ {} }}\n  outlet {{ {} }}\n  sides {{ type slip; }}\n  body {{ {} }}\n", inlet, outlet, body) +
          (symmetry == Symmetry::none ? "" : "  symmetry { type symmetry; }\n") + "}\n";
@@ -102,7 +106,8 @@ std::map<std::string, std::string> dictionaries(const CaseSpec& spec, Symmetry s
   files["system/controlDict"] = control(spec.stop.max_iterations * (rung == Rung::cautious ? 2 : 1));
   files["system/fvSchemes"] = schemes(numerics);
   files["system/fvSolution"] = solution(numerics);
-  files["constant/transportProperties"] = header("dictionary", "transportProperties") + fmt::format("transportModel Newtonian;\nnu {};\n", nu);
+  files["constant/transportProperties"] =
+      header("dictionary", "transportProperties") + fmt::format("transportModel Newtonian;\nnu {};\n", nu);
   files["constant/turbulenceProperties"] =
       header("dictionary", "turbulenceProperties") +
       (laminar ? "simulationType laminar;\n" : "simulationType RAS;\nRAS { RASModel kOmegaSST; turbulence on; printCoeffs off; }\n");
@@ -111,7 +116,8 @@ std::map<std::string, std::string> dictionaries(const CaseSpec& spec, Symmetry s
   // inletOutlet: eddies that reach the outlet may draw air back in, at rest.
   files["0/U"] = field("U", "volVectorField", "[0 1 -1 0 0 0 0]", wind, "type fixedValue; value uniform " + wind + ";",
                        "type inletOutlet; inletValue uniform (0 0 0); value uniform " + wind + ";", "type noSlip;", symmetry);
-  files["0/p"] = field("p", "volScalarField", "[0 2 -2 0 0 0 0]", "0", "type zeroGradient;", "type fixedValue; value uniform 0;", "type zeroGradient;", symmetry);
+  files["0/p"] = field("p", "volScalarField", "[0 2 -2 0 0 0 0]", "0", "type zeroGradient;", "type fixedValue; value uniform 0;",
+                       "type zeroGradient;", symmetry);
   if (laminar) return files;
 
   const double k = 1.5 * numerics.turbulence_intensity * numerics.turbulence_intensity * kSpeed * kSpeed;
@@ -119,7 +125,8 @@ std::map<std::string, std::string> dictionaries(const CaseSpec& spec, Symmetry s
   const auto carried = [&](const char* name, const char* dimensions, double value, const char* wall) {
     files[std::string("0/") + name] =
         field(name, "volScalarField", dimensions, fmt::format("{}", value), fmt::format("type fixedValue; value uniform {};", value),
-              fmt::format("type inletOutlet; inletValue uniform {0}; value uniform {0};", value), fmt::format("type {}; value uniform {};", wall, value), symmetry);
+              fmt::format("type inletOutlet; inletValue uniform {0}; value uniform {0};", value),
+              fmt::format("type {}; value uniform {};", wall, value), symmetry);
   };
   carried("k", "[0 2 -2 0 0 0 0]", k, "kqRWallFunction");
   carried("omega", "[0 0 -1 0 0 0 0]", omega, "omegaWallFunction");
@@ -130,7 +137,8 @@ std::map<std::string, std::string> dictionaries(const CaseSpec& spec, Symmetry s
 
 std::string decomposition(int ranks) {
   return header("dictionary", "decomposeParDict") +
-         fmt::format("numberOfSubdomains {0};\nmethod hierarchical;\nhierarchicalCoeffs {{ n ({0} 1 1); delta 0.001; order xyz; }}\n", ranks);
+         fmt::format("numberOfSubdomains {0};\nmethod hierarchical;\nhierarchicalCoeffs {{ n ({0} 1 1); delta 0.001; order xyz; }}\n",
+                     ranks);
 }
 
 }  // namespace cfd_cases

@@ -21,9 +21,9 @@ enum class Rung { standard, cautious };
 std::string to_string(Rung rung);
 Numerics numerics_on(Rung rung, const Numerics& asked);
 
-/// The files of a simpleFoam case but its mesh, by path in the case folder. Patches: inlet, outlet, sides, body and, in a half model, symmetry.
-/// The body's force and moment (about the origin, its centroid) are written at every iteration. A file named "stop" in the case folder makes the
-/// solver do one more iteration, write its fields and end.
+/// The files of a simpleFoam case but its mesh, by path in the case folder. Patches: inlet, outlet, sides, body and, in a half model,
+/// symmetry. The body's force and moment (about the origin, its centroid) are written at every iteration. A file named "stop" in the case
+/// folder makes the solver do one more iteration, write its fields and end.
 std::map<std::string, std::string> dictionaries(const CaseSpec& spec, Symmetry symmetry, Rung rung);
 
 /// system/decomposeParDict: slices across the wind. Debian's scotch and metis are stubs that abort.

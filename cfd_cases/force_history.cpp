@@ -1,10 +1,11 @@
 #include "cfd_cases/force_history.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fmt/format.h>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -31,7 +32,8 @@ std::vector<Row> parse_rows(std::string_view text, const char* what) {
       header_seen = header_seen || (viscous != line.npos && total < pressure && pressure < viscous);
       continue;
     }
-    if (!header_seen) throw std::runtime_error(fmt::format("{}: no header with the columns total, pressure, viscous before the first row", what));
+    if (!header_seen)
+      throw std::runtime_error(fmt::format("{}: no header with the columns total, pressure, viscous before the first row", what));
     std::array<double, 10> value{};
     std::size_t n = 0;
     const char* const stop = line.data() + line.size();
@@ -42,14 +44,16 @@ std::vector<Row> parse_rows(std::string_view text, const char* what) {
       }
       double number = 0.0;
       const auto [rest, error] = std::from_chars(at, stop, number);
-      if (error != std::errc{} || n == value.size()) throw std::runtime_error(fmt::format("{}: '{}' is not a row of ten numbers", what, line));
+      if (error != std::errc{} || n == value.size())
+        throw std::runtime_error(fmt::format("{}: '{}' is not a row of ten numbers", what, line));
       value[n++] = number;
       at = rest;
     }
     if (n != value.size()) throw std::runtime_error(fmt::format("{}: '{}' has {} numbers, needed 10", what, line, n));
     const Vector3d total(value[1], value[2], value[3]);
     const Row row{value[0], {value[4], value[5], value[6]}, {value[7], value[8], value[9]}};
-    // 1e-6: the file has ten digits; a sum that cancels five of them still passes. Rows that are not finite are left to the detector of divergence.
+    // 1e-6: the file has ten digits; a sum that cancels five of them still passes. Rows that are not finite are left to the detector of
+    // divergence.
     const double size = std::max(row.pressure.norm(), row.viscous.norm());
     if ((total - row.pressure - row.viscous).norm() > 1e-6 * size)
       throw std::runtime_error(fmt::format("{}: at time {} total is not pressure + viscous", what, row.time));
@@ -72,7 +76,8 @@ std::vector<ForceSample> parse_forces(std::string_view force, std::string_view m
   std::vector<ForceSample> samples;
   for (std::size_t i = 0; i < std::min(forces.size(), moments.size()); ++i) {
     if (forces[i].time != moments[i].time)
-      throw std::runtime_error(fmt::format("force.dat and moment.dat differ: row {} is of time {} and {}", i, forces[i].time, moments[i].time));
+      throw std::runtime_error(
+          fmt::format("force.dat and moment.dat differ: row {} is of time {} and {}", i, forces[i].time, moments[i].time));
     samples.push_back({forces[i].time, {forces[i].pressure, forces[i].viscous, moments[i].pressure, moments[i].viscous}});
   }
   return samples;

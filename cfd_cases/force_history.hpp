@@ -16,9 +16,10 @@ struct ForceSample {
   case_record::Load load;
 };
 
-/// Rows of a pair of OpenFOAM files force.dat and moment.dat. Columns are found by the header "(total_x ...) (pressure_x ...) (viscous_x ...)".
-/// A last line that is not finished yet is left out; rows that only one file has are too.
-/// @throws std::runtime_error when the header is another, a row has not ten numbers, or total is not pressure + viscous (to 1e-6 of the row)
+/// Rows of a pair of OpenFOAM files force.dat and moment.dat. Columns are found by the header "(total_x ...) (pressure_x ...) (viscous_x
+/// ...)". A last line that is not finished yet is left out; rows that only one file has are too.
+/// @throws std::runtime_error when the header is another, a row has not ten numbers, or total is not pressure + viscous (to 1e-6 of the
+/// row)
 std::vector<ForceSample> parse_forces(std::string_view force, std::string_view moment);
 
 /// All of postProcessing/forces: a restart makes another time folder, whose rows replace those of the earlier ones from its time on.

@@ -1,14 +1,15 @@
 #include "cfd_cases/matrix.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <numbers>
 #include <sstream>
-#include <toml++/toml.h>
 
 #include "cfd_cases/mesh_recipe.hpp"
 
@@ -68,7 +69,8 @@ class Table {
       ends.number("to", to, lowest, highest);
       ends.number("step", step, 1e-6, highest);
       ends.reject_unknown("a range");
-      if (std::isnan(from + to + step) || to < from) fail(*node, fmt::format("{} needs a range {{ from, to, step }} with from <= to and step > 0", key));
+      if (std::isnan(from + to + step) || to < from)
+        fail(*node, fmt::format("{} needs a range {{ from, to, step }} with from <= to and step > 0", key));
       const double steps = std::round((to - from) / step);
       if (std::abs(from + steps * step - to) > 1e-9 * std::max(1.0, std::abs(to)))
         fail(*node, fmt::format("{}: the step {} does not lead from {} to {}", key, step, from, to));
@@ -95,7 +97,8 @@ class Table {
   double number(const toml::node& node, const char* key, double lowest, double highest) const {
     const auto value = node.is_number() ? node.value<double>() : std::nullopt;
     if (!value) fail(node, fmt::format("{} must be a number", key));
-    if (!(*value >= lowest && *value <= highest)) fail(node, fmt::format("{} = {} is out of range: needed {} to {}", key, *value, lowest, highest));
+    if (!(*value >= lowest && *value <= highest))
+      fail(node, fmt::format("{} = {} is out of range: needed {} to {}", key, *value, lowest, highest));
     return *value + 0.0;  // turns -0 into 0, which would otherwise make another key
   }
   std::string word(const toml::node& node, const char* key, const std::vector<std::string>& allowed) const {
@@ -163,7 +166,8 @@ dragcore::Shape read_shape(Table& table, const toml::table& sweep) {
     dragcore::Shape shape = dragcore::make_shape(kind, parameters);
     dragcore::properties(shape);  // checks the ranges
     if (const auto* plate = std::get_if<dragcore::Plate>(&shape); plate && plate->thickness < 0.02 * std::min(plate->chord, plate->span))
-      throw std::invalid_argument(fmt::format("plate: thickness = {} cannot be meshed; needed at least 0.02 of its shorter side (0.05 is proven)", plate->thickness));
+      throw std::invalid_argument(fmt::format(
+          "plate: thickness = {} cannot be meshed; needed at least 0.02 of its shorter side (0.05 is proven)", plate->thickness));
     return shape;
   } catch (const std::invalid_argument& error) {
     table.fail(node ? *node : static_cast<const toml::node&>(sweep), error.what());
@@ -195,7 +199,8 @@ std::string case_name(const CaseSpec& spec) {
   std::string name = kind;
   const auto defaults = dragcore::parameters(dragcore::make_shape(kind, {}));
   for (const auto& [parameter, value] : dragcore::parameters(spec.shape))
-    if (const auto usual = defaults.find(parameter); usual == defaults.end() || std::abs(value - usual->second) > 1e-9 * std::abs(value)) name += fmt::format("-{}-{:g}", parameter, value);
+    if (const auto usual = defaults.find(parameter); usual == defaults.end() || std::abs(value - usual->second) > 1e-9 * std::abs(value))
+      name += fmt::format("-{}-{:g}", parameter, value);
   const bool turned = spec.pose.yaw != 0.0 || spec.pose.roll != 0.0;
   if (spec.pose.incidence != 0.0 || !turned) name += "_incidence-" + angle_text(spec.pose.incidence);
   if (spec.pose.yaw != 0.0) name += "_yaw-" + angle_text(spec.pose.yaw);
@@ -226,7 +231,8 @@ Matrix parse_matrix(std::string_view text, const fs::path& file) {
   }
   const auto* sweeps = top.find("sweep");
   top.reject_unknown("the matrix");
-  if (!sweeps || !sweeps->is_array_of_tables()) top.fail(sweeps ? *sweeps : static_cast<const toml::node&>(root), "a matrix needs at least one [[sweep]]");
+  if (!sweeps || !sweeps->is_array_of_tables())
+    top.fail(sweeps ? *sweeps : static_cast<const toml::node&>(root), "a matrix needs at least one [[sweep]]");
 
   std::map<std::string, toml::source_position> seen;
   for (const auto& node : *sweeps->as_array()) {
@@ -249,7 +255,9 @@ Matrix parse_matrix(std::string_view text, const fs::path& file) {
               spec.pose = {incidence, yaw, roll};
               spec.name = case_name(spec);
               const auto [other, is_new] = seen.emplace(spec.name, node.source().begin);
-              if (!is_new) table.fail(node, fmt::format("case {} is there already, from line {}; take it out of one sweep, or give one a `variant`", spec.name, other->second.line));
+              if (!is_new)
+                table.fail(node, fmt::format("case {} is there already, from line {}; take it out of one sweep, or give one a `variant`",
+                                             spec.name, other->second.line));
               matrix.cases.push_back(std::move(spec));
             }
   }
@@ -270,7 +278,8 @@ Matrix load_matrix(const std::string& name) {
   }
   std::vector<std::string> looked;
   for (const auto& place : places) looked.push_back(place.string());
-  throw ConfigurationError(fmt::format("{}:0:0: no such matrix; give a file or one of smoke, quick, reference (looked for {})", name, fmt::join(looked, " and ")));
+  throw ConfigurationError(fmt::format("{}:0:0: no such matrix; give a file or one of smoke, quick, reference (looked for {})", name,
+                                       fmt::join(looked, " and ")));
 }
 
 }  // namespace cfd_cases

@@ -17,13 +17,13 @@ struct ConfigurationError : std::invalid_argument {
 
 /// Choices of the discretised equations that a matrix may override, each for a sensitivity study. The defaults are the recipe of record.
 struct Numerics {
-  double relaxation_velocity = 0.85;    ///< under-relaxation factors of SIMPLEC
+  double relaxation_velocity = 0.85;  ///< under-relaxation factors of SIMPLEC
   double relaxation_pressure = 0.8;
   double relaxation_turbulence = 0.7;
   std::string convection = "linear_upwind";  ///< of the velocity: "linear_upwind", "upwind", "linear", "lust"
   std::string gradient = "unlimited";        ///< "unlimited" or "cell_limited", which differs by up to 20 % on an inclined plate
-  double turbulence_intensity = 0.01;   ///< of the undisturbed air
-  double viscosity_ratio = 10.0;        ///< eddy viscosity of the undisturbed air / nu
+  double turbulence_intensity = 0.01;        ///< of the undisturbed air
+  double viscosity_ratio = 10.0;             ///< eddy viscosity of the undisturbed air / nu
 };
 
 /// When a solution is good enough; see convergence.hpp.
@@ -55,8 +55,8 @@ struct CaseSpec {
   bool held_out = false;
   Numerics numerics;
   StopPolicy stop;
-  int retries = 1;           ///< rungs of the retry ladder after the first
-  double timeout_s = 1800.0; ///< wall time of one try of the solver [s]
+  int retries = 1;            ///< rungs of the retry ladder after the first
+  double timeout_s = 1800.0;  ///< wall time of one try of the solver [s]
 };
 
 /// "plate_incidence-030_re-1e5_medium", "cone-apex_angle_deg-30_incidence-000_re-1e2-laminar_fine": parameters that differ from the shape's
@@ -73,7 +73,8 @@ struct Matrix {
 /// @throws ConfigurationError on a syntax error, an unknown key, a value out of range or of the wrong type, or two equal cases
 Matrix parse_matrix(std::string_view text, const std::filesystem::path& file);
 
-/// @param name  a file, or the name of a tier ("smoke", "quick", "reference") in cfd_cases/matrices of the source tree or the working folder
+/// @param name  a file, or the name of a tier ("smoke", "quick", "reference") in cfd_cases/matrices of the source tree or the working
+/// folder
 /// @throws ConfigurationError as parse_matrix() does, and when there is no such file (naming the places looked at)
 Matrix load_matrix(const std::string& name);
 

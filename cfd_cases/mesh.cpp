@@ -49,7 +49,8 @@ struct Stages {
     const std::string program = fs::path(argv[0]).filename();
     const fs::path log = folder / ("log." + program);
     // A mesh of 100,000 cells takes half a minute; nothing here should take 20.
-    const Outcome outcome = run_command({.argv = std::move(argv), .folder = folder, .log = log, .timeout_s = 1200.0, .environment = tools.environment}, cancel);
+    const Outcome outcome =
+        run_command({.argv = std::move(argv), .folder = folder, .log = log, .timeout_s = 1200.0, .environment = tools.environment}, cancel);
     cost[stage].cpu_s += outcome.cpu_s;
     cost[stage].wall_s += outcome.wall_s;
     if (outcome.cancelled) throw Interrupted();
@@ -62,7 +63,8 @@ struct Stages {
 std::map<std::string, double> read_quality(const std::string& log) {
   std::map<std::string, double> quality;
   for (const auto& [name, pattern] : {std::pair{"max_non_orthogonality_deg", R"(non-orthogonality Max: ([0-9.eE+-]+))"},
-                                      std::pair{"max_skewness", R"(Max skewness = ([0-9.eE+-]+))"}, std::pair{"max_aspect_ratio", R"(Max aspect ratio = ([0-9.eE+-]+))"}}) {
+                                      std::pair{"max_skewness", R"(Max skewness = ([0-9.eE+-]+))"},
+                                      std::pair{"max_aspect_ratio", R"(Max aspect ratio = ([0-9.eE+-]+))"}}) {
     std::smatch match;
     if (!std::regex_search(log, match, std::regex(pattern))) throw CaseFailure(fmt::format("checkMesh printed no {}", name));
     quality[name] = std::stod(match[1]);
@@ -71,7 +73,8 @@ std::map<std::string, double> read_quality(const std::string& log) {
 }
 
 /// One try at the mesh in an empty folder. Returns what checkMesh found wrong, empty when it is fine.
-std::string make_mesh(const CaseSpec& spec, const CaseIdentity& identity, double size_factor, Stages stages, Mesh& mesh, const std::function<void(const char*)>& on_stage) {
+std::string make_mesh(const CaseSpec& spec, const CaseIdentity& identity, double size_factor, Stages stages, Mesh& mesh,
+                      const std::function<void(const char*)>& on_stage) {
   const fs::path& folder = stages.folder;
   auto request = nlohmann::json::parse(identity.mesh_description);
   request["recipe"]["refinement"] = identity.recipe.refinement * size_factor;
@@ -114,14 +117,17 @@ std::string make_mesh(const CaseSpec& spec, const CaseIdentity& identity, double
 void require_shape(const CaseSpec& spec, const MeshRecipe& recipe, const Mesh& mesh) {
   const auto exact = dragcore::properties(spec.shape);
   const double allowed = allowed_surface_error(spec.shape, recipe);
-  for (const auto& [what, found, needed] : {std::tuple{"area", mesh.surface_area, exact.area}, std::tuple{"volume", mesh.surface_volume, exact.volume}})
+  for (const auto& [what, found, needed] :
+       {std::tuple{"area", mesh.surface_area, exact.area}, std::tuple{"volume", mesh.surface_volume, exact.volume}})
     if (!(std::abs(found - needed) <= allowed * needed))
-      throw CaseFailure(fmt::format("the meshed surface has {} {:.6g}, but the {} has {:.6g} (allowed error {:.2g}): the mesh is not of this shape", what, found,
-                                    dragcore::kind(spec.shape), needed, allowed));
+      throw CaseFailure(
+          fmt::format("the meshed surface has {} {:.6g}, but the {} has {:.6g} (allowed error {:.2g}): the mesh is not of this shape", what,
+                      found, dragcore::kind(spec.shape), needed, allowed));
 }
 
 nlohmann::json to_json(const Mesh& mesh) {
-  nlohmann::json text{{"cells", mesh.cells}, {"quality", mesh.quality}, {"surface_area_m2", mesh.surface_area}, {"surface_volume_m3", mesh.surface_volume}};
+  nlohmann::json text{
+      {"cells", mesh.cells}, {"quality", mesh.quality}, {"surface_area_m2", mesh.surface_area}, {"surface_volume_m3", mesh.surface_volume}};
   for (const auto& [stage, cost] : mesh.cost) text["cost"][stage] = {{"cpu_s", cost.cpu_s}, {"wall_s", cost.wall_s}};
   text["refused"] = nlohmann::json::array();
   for (const auto& attempt : mesh.attempts) text["refused"].push_back({{"recipe", attempt.recipe}, {"reason", attempt.reason}});
@@ -130,10 +136,16 @@ nlohmann::json to_json(const Mesh& mesh) {
 
 Mesh stored_mesh(const fs::path& folder) {
   const auto text = nlohmann::json::parse(contents(folder / "mesh.json"));
-  Mesh mesh{.poly_mesh = folder / "polyMesh", .cells = text.at("cells"), .quality = text.at("quality").get<std::map<std::string, double>>(),
-            .surface_area = text.at("surface_area_m2"), .surface_volume = text.at("surface_volume_m3"), .cost = {}, .attempts = {}};
+  Mesh mesh{.poly_mesh = folder / "polyMesh",
+            .cells = text.at("cells"),
+            .quality = text.at("quality").get<std::map<std::string, double>>(),
+            .surface_area = text.at("surface_area_m2"),
+            .surface_volume = text.at("surface_volume_m3"),
+            .cost = {},
+            .attempts = {}};
   for (const auto& [stage, cost] : text.at("cost").items()) mesh.cost[stage] = {cost.at("cpu_s"), cost.at("wall_s")};
-  for (const auto& refused : text.at("refused")) mesh.attempts.push_back({refused.at("recipe"), case_record::Status::failed, refused.at("reason")});
+  for (const auto& refused : text.at("refused"))
+    mesh.attempts.push_back({refused.at("recipe"), case_record::Status::failed, refused.at("reason")});
   return mesh;
 }
 
@@ -162,13 +174,15 @@ Mesh ensure_mesh(const CaseSpec& spec, const CaseIdentity& identity, const Tools
     if (faults.empty()) break;
     mesh.attempts.push_back({fmt::format("mesh, sizes x {}", factor), case_record::Status::failed, faults});
   }
-  if (!faults.empty()) throw CaseFailure(fmt::format("checkMesh refused the mesh at {} sizes; the last time: {}", std::size(kSizeFactors), faults));
+  if (!faults.empty())
+    throw CaseFailure(fmt::format("checkMesh refused the mesh at {} sizes; the last time: {}", std::size(kSizeFactors), faults));
   require_shape(spec, identity.recipe, mesh);
 
   const fs::path complete = work / "mesh_complete";
   fs::remove_all(complete);
   fs::create_directories(complete / "polyMesh");
-  for (const char* file : {"points", "faces", "owner", "neighbour", "boundary"}) fs::rename(folder / "constant/polyMesh" / file, complete / "polyMesh" / file);
+  for (const char* file : {"points", "faces", "owner", "neighbour", "boundary"})
+    fs::rename(folder / "constant/polyMesh" / file, complete / "polyMesh" / file);
   write_files(complete, {{"mesh.json", to_json(mesh).dump(1) + "\n"}, {"description.json", identity.mesh_description + "\n"}});
   fs::remove_all(target);
   fs::rename(complete, target);
@@ -180,8 +194,8 @@ Mesh ensure_mesh(const CaseSpec& spec, const CaseIdentity& identity, const Tools
 double allowed_surface_error(const dragcore::Shape& shape, const MeshRecipe& recipe) {
   // Flat sides are exact but for the 12 digits of the file and OpenCASCADE's tolerance of 1e-7.
   if (std::holds_alternative<dragcore::Plate>(shape) || std::holds_alternative<dragcore::Box>(shape)) return 1e-5;
-  // Round sides: a facet of size h lies up to h^2 / 8R inside a circle of radius R = 1/2 scale, and the dual cuts its corners once more; area and
-  // volume of a sphere then lose 0.4 and 0.6 (h/R)^2. Twice as much leaves room for the point of a cone, which the dual cuts off.
+  // Round sides: a facet of size h lies up to h^2 / 8R inside a circle of radius R = 1/2 scale, and the dual cuts its corners once more;
+  // area and volume of a sphere then lose 0.4 and 0.6 (h/R)^2. Twice as much leaves room for the point of a cone, which the dual cuts off.
   const double h = recipe.body_size * recipe.refinement / 0.5;
   return 1.2 * h * h;
 }

@@ -39,20 +39,20 @@ struct Cache {
 struct Mesh {
   std::filesystem::path poly_mesh;  ///< folder with points, faces, owner, neighbour, boundary
   int cells = 0;
-  std::map<std::string, double> quality;  ///< of checkMesh
-  double surface_area = 0.0;    ///< of the whole body [m^2]
-  double surface_volume = 0.0;  ///< [m^3]
+  std::map<std::string, double> quality;               ///< of checkMesh
+  double surface_area = 0.0;                           ///< of the whole body [m^2]
+  double surface_volume = 0.0;                         ///< [m^3]
   std::map<std::string, case_record::StageCost> cost;  ///< "mesh" and "convert", of the day it was made
   std::vector<case_record::Attempt> attempts;          ///< sizes that checkMesh refused
 };
 
-/// Takes the mesh from the cache, or makes it in `work` and puts it there: cfd_mesh, gmshToFoam, polyDualMesh, renumberMesh, checkMesh. Of two
-/// callers who need the same mesh the second waits for the first.
+/// Takes the mesh from the cache, or makes it in `work` and puts it there: cfd_mesh, gmshToFoam, polyDualMesh, renumberMesh, checkMesh. Of
+/// two callers who need the same mesh the second waits for the first.
 /// @param on_stage  told "mesh" and "convert" when they begin
 /// @throws CaseFailure when a tool fails, checkMesh refuses all sizes, or area and volume of the wall are not those of the shape
 /// @throws Interrupted when `cancel` becomes true
-Mesh ensure_mesh(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, const std::filesystem::path& work,
-                 const std::atomic<bool>& cancel, const std::function<void(const char*)>& on_stage);
+Mesh ensure_mesh(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache,
+                 const std::filesystem::path& work, const std::atomic<bool>& cancel, const std::function<void(const char*)>& on_stage);
 
 /// The largest relative error of area and volume that a correct mesh may have: rounding for flat sides, faceting for round ones.
 double allowed_surface_error(const dragcore::Shape& shape, const MeshRecipe& recipe);

@@ -1,9 +1,10 @@
 #include "cfd_cases/mesh_recipe.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fmt/format.h>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -116,7 +117,8 @@ double distance_to_body(const dragcore::Shape& shape, const Vector3d& point_body
 double distance_to_tip(const dragcore::Shape& shape, const Vector3d& point_body) {
   const auto properties = dragcore::properties(shape);
   if (std::holds_alternative<dragcore::Cone>(shape)) return (point_body - Vector3d(properties.nose_x, 0, 0)).norm();
-  if (std::holds_alternative<dragcore::Teardrop>(shape)) return (point_body - Vector3d(properties.nose_x + properties.length_x, 0, 0)).norm();
+  if (std::holds_alternative<dragcore::Teardrop>(shape))
+    return (point_body - Vector3d(properties.nose_x + properties.length_x, 0, 0)).norm();
   return std::numeric_limits<double>::infinity();
 }
 
@@ -132,7 +134,9 @@ MeshRecipe recipe_from_json(const nlohmann::json& text) {
   return recipe;
 }
 
-nlohmann::json to_json(const dragcore::Shape& shape) { return {{"kind", dragcore::kind(shape)}, {"parameters", dragcore::parameters(shape)}}; }
+nlohmann::json to_json(const dragcore::Shape& shape) {
+  return {{"kind", dragcore::kind(shape)}, {"parameters", dragcore::parameters(shape)}};
+}
 
 dragcore::Shape shape_from_json(const nlohmann::json& text) {
   return dragcore::make_shape(text.at("kind").get<std::string>(), text.at("parameters").get<std::map<std::string, double>>());

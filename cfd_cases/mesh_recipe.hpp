@@ -8,7 +8,8 @@
 
 namespace cfd_cases {
 
-/// Which part of the flow is meshed: all of it, or the half on the positive side of a plane through the centroid in which flow and body are symmetric.
+/// Which part of the flow is meshed: all of it, or the half on the positive side of a plane through the centroid in which flow and body are
+/// symmetric.
 enum class Symmetry { none, plane_y, plane_z };
 std::string to_string(Symmetry symmetry);
 
@@ -22,17 +23,17 @@ double body_scale(const dragcore::Shape& shape);
 /// Sizes of the unstructured mesh and of the box of air around the body, in units of body_scale(). `refinement` multiplies every cell size
 /// and no distance, so that levels are geometrically similar.
 struct MeshRecipe {
-  double body_size = 0.05;     ///< tetrahedron edge on the body
-  double tip_size = 0.01;      ///< at the point of a cone or teardrop, where faces of body_size would be wider than the body
-  double growth = 0.2;         ///< growth of the size per distance from a refined region
-  double wake_size = 0.12;     ///< in the box around the body and its near wake
-  double wake_margin = 0.4;    ///< of that box beside and in front of the body
-  double wake_length = 3.5;    ///< of that box behind the body
-  double outer_size = 0.3;     ///< in the second box
+  double body_size = 0.05;   ///< tetrahedron edge on the body
+  double tip_size = 0.01;    ///< at the point of a cone or teardrop, where faces of body_size would be wider than the body
+  double growth = 0.2;       ///< growth of the size per distance from a refined region
+  double wake_size = 0.12;   ///< in the box around the body and its near wake
+  double wake_margin = 0.4;  ///< of that box beside and in front of the body
+  double wake_length = 3.5;  ///< of that box behind the body
+  double outer_size = 0.3;   ///< in the second box
   double outer_margin = 1.2;
   double outer_length = 8.5;
-  double far_size = 1.6;       ///< largest size
-  double upstream = 8.0;       ///< air between the body and the inlet; blockage costs 3 % of C_D at 5 on a cube
+  double far_size = 1.6;  ///< largest size
+  double upstream = 8.0;  ///< air between the body and the inlet; blockage costs 3 % of C_D at 5 on a cube
   double downstream = 15.0;
   double sideways = 8.0;
   double dual_feature_angle_deg = 60.0;  ///< edges sharper than this stay edges in the polyhedral dual

@@ -1,10 +1,11 @@
 #include "cfd_cases/poly_mesh.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fmt/format.h>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -37,14 +38,18 @@ class Scanner {
   char peek() {
     for (;;) {
       while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_]))) ++at_;
-      if (text_.compare(at_, 2, "//") == 0) at_ = std::min(text_.size(), text_.find('\n', at_));
-      else if (text_.compare(at_, 2, "/*") == 0) at_ = std::min(text_.size(), text_.find("*/", at_) + 2);
-      else break;
+      if (text_.compare(at_, 2, "//") == 0)
+        at_ = std::min(text_.size(), text_.find('\n', at_));
+      else if (text_.compare(at_, 2, "/*") == 0)
+        at_ = std::min(text_.size(), text_.find("*/", at_) + 2);
+      else
+        break;
     }
     return at_ < text_.size() ? text_[at_] : '\0';
   }
   void expect(char needed) {
-    if (const char found = peek(); found != needed) fail(fmt::format("truncated or malformed at byte {}: found '{}', needed '{}'", at_, found, needed));
+    if (const char found = peek(); found != needed)
+      fail(fmt::format("truncated or malformed at byte {}: found '{}', needed '{}'", at_, found, needed));
     ++at_;
   }
   template <class Number>
@@ -144,7 +149,8 @@ const PolyMesh::Patch& PolyMesh::patch(const std::string& name) const {
 
 PolyMesh read_poly_mesh(const fs::path& folder) {
   PolyMesh mesh;
-  Scanner points(folder / "points"), faces(folder / "faces"), owner(folder / "owner"), neighbour(folder / "neighbour"), boundary(folder / "boundary");
+  Scanner points(folder / "points"), faces(folder / "faces"), owner(folder / "owner"), neighbour(folder / "neighbour"),
+      boundary(folder / "boundary");
   mesh.points = points.list([&] { return points.vector(); });
   mesh.faces = faces.list([&] { return faces.list([&] { return faces.number<int>(); }); });
   mesh.owner = owner.list([&] { return owner.number<int>(); });
@@ -161,10 +167,12 @@ PolyMesh read_poly_mesh(const fs::path& folder) {
   const auto count = static_cast<int>(mesh.faces.size());
   if (mesh.owner.size() != mesh.faces.size()) faces.fail(fmt::format("has {} faces, but owner has {}", count, mesh.owner.size()));
   for (const auto& patch : mesh.patches)
-    if (patch.first_face < 0 || patch.faces < 0 || patch.first_face + patch.faces > count) boundary.fail("patch " + patch.name + " lies outside the faces");
+    if (patch.first_face < 0 || patch.faces < 0 || patch.first_face + patch.faces > count)
+      boundary.fail("patch " + patch.name + " lies outside the faces");
   for (const auto& face : mesh.faces)
     for (const int p : face)
-      if (p < 0 || static_cast<std::size_t>(p) >= mesh.points.size()) faces.fail(fmt::format("point {} is outside the {} points", p, mesh.points.size()));
+      if (p < 0 || static_cast<std::size_t>(p) >= mesh.points.size())
+        faces.fail(fmt::format("point {} is outside the {} points", p, mesh.points.size()));
   return mesh;
 }
 
@@ -233,7 +241,8 @@ int lift_edge_cells(PolyMesh& mesh, const std::string& patch) {
         for (const int p : mesh.faces[static_cast<std::size_t>(g)])
           if (!fixed[static_cast<std::size_t>(p)]) inner.insert(p);
       for (const int p : inner) mesh.points[static_cast<std::size_t>(p)] += 1.2 * (needed - found) * into_air;
-      moved = !inner.empty();
+      if (inner.empty()) continue;  // every point of it is on a patch
+      moved = true;
       lifted.insert(cell);
     }
     if (!moved) break;

@@ -43,8 +43,8 @@ struct PatchExtent {
 PatchExtent patch_extent(const PolyMesh& mesh, const std::string& patch);
 
 /// Makes the cells along the sharp edges of a body usable. There the dual cell wraps around the edge, and where its legs are uneven its
-/// centroid lies behind one of its own wall faces (checkMesh: "incorrectly oriented"), so that the distance to the wall is negative. Moves the
-/// inner points of such cells away from that wall face, by as little as lifts the centroid off it; points of any patch stay.
+/// centroid lies behind one of its own wall faces (checkMesh: "incorrectly oriented"), so that the distance to the wall is negative. Moves
+/// the inner points of such cells away from that wall face, by as little as lifts the centroid off it; points of any patch stay.
 /// @return  cells that were moved
 int lift_edge_cells(PolyMesh& mesh, const std::string& patch);
 
@@ -53,7 +53,8 @@ int lift_edge_cells(PolyMesh& mesh, const std::string& patch);
 Eigen::VectorXd read_cell_scalars(const std::filesystem::path& file, int cells);
 
 /// The values of a vector field on the faces of one patch.
-/// @throws std::runtime_error naming the file when the patch or its values are missing, or there are not `faces` of them, or one is not finite
+/// @throws std::runtime_error naming the file when the patch or its values are missing, or there are not `faces` of them, or one is not
+/// finite
 Eigen::Matrix3Xd read_patch_vectors(const std::filesystem::path& file, const std::string& patch, int faces);
 
 }  // namespace cfd_cases

@@ -51,7 +51,8 @@ Scales scales_of(const CaseSpec& spec) {
   // No bluff body has more than about 2 on its frontal area, which is at most half of its surface; creeping flow adds 24/Re on the frontal,
   // and for slender bodies more. Arms of moments are at most the longest half extent.
   const double force = (4.0 + 100.0 / spec.reynolds) * std::max(1.0, 0.5 * p.area / p.reference_area);
-  return {q * p.reference_area, q * p.reference_area * p.reference_length, force * std::max(1.0, 2.0 * p.half_extent.maxCoeff() / p.reference_length)};
+  return {q * p.reference_area, q * p.reference_area * p.reference_length,
+          force * std::max(1.0, 2.0 * p.half_extent.maxCoeff() / p.reference_length)};
 }
 
 std::vector<Channels> channels_of(const std::vector<ForceSample>& history, const Scales& scales, Symmetry symmetry) {
@@ -79,8 +80,8 @@ Channels null_channels(const CaseSpec& spec, const Channels& mean) {
   const Eigen::Matrix3d to_body = spec.pose.radians().rotation().transpose();
   for (const int across : {1, 2}) {
     if (!dragcore::mirror_symmetric(spec.shape, to_body * Vector3d::Unit(across))) continue;
-    is_null[across] = 1.0;      // the force across the plane
-    is_null[3] = 1.0;           // the moments about the axes in the plane
+    is_null[across] = 1.0;  // the force across the plane
+    is_null[3] = 1.0;       // the moments about the axes in the plane
     is_null[3 + (3 - across)] = 1.0;
   }
   return is_null.cwiseProduct(mean.cwiseAbs());
@@ -107,9 +108,16 @@ void add(StageCost& cost, const Outcome& outcome) {
 
 class Solver {
  public:
-  Solver(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, int ranks, const std::atomic<bool>& cancel,
-         const std::function<void(const Progress&)>& on_progress)
-      : spec_(spec), id_(identity), tools_(tools), cache_(cache), ranks_(ranks), cancel_(cancel), on_progress_(on_progress), scales_(scales_of(spec)) {}
+  Solver(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, int ranks,
+         const std::atomic<bool>& cancel, const std::function<void(const Progress&)>& on_progress)
+      : spec_(spec),
+        id_(identity),
+        tools_(tools),
+        cache_(cache),
+        ranks_(ranks),
+        cancel_(cancel),
+        on_progress_(on_progress),
+        scales_(scales_of(spec)) {}
 
   CaseRecord solve() {
     CaseRecord record = asked();
@@ -168,7 +176,8 @@ class Solver {
   void try_rung(Rung rung, const fs::path& folder, const Mesh& mesh, CaseRecord& record) {
     write_files(folder, dictionaries(spec_, id_.symmetry, rung));
     fs::create_directories(folder / "constant/polyMesh");
-    for (const auto& file : fs::directory_iterator(mesh.poly_mesh)) fs::create_hard_link(file.path(), folder / "constant/polyMesh" / file.path().filename());
+    for (const auto& file : fs::directory_iterator(mesh.poly_mesh))
+      fs::create_hard_link(file.path(), folder / "constant/polyMesh" / file.path().filename());
     StageCost& solve = record.cost["solve"];
     if (ranks_ > 1) {
       write_files(folder, {{"system/decomposeParDict", decomposition(ranks_)}});
@@ -188,15 +197,18 @@ class Solver {
       live = judge(series, spec_.stop, scales_.plausible, false);
       judged = series.size();
       if (!live.stop) return;
-      if (case_record::is_usable(live.status)) write_files(folder, {{"stop", ""}});
-      else halt = true;
+      if (case_record::is_usable(live.status))
+        write_files(folder, {{"stop", ""}});
+      else
+        halt = true;
     };
     on_progress_({"solve"});
     std::vector<std::string> argv{"simpleFoam"};
     // --bind-to none: two mpirun side by side would both bind to the first core.
     if (ranks_ > 1) argv = {"mpirun", "-np", std::to_string(ranks_), "--oversubscribe", "--bind-to", "none", "simpleFoam", "-parallel"};
     const fs::path log = folder / "log.simpleFoam";
-    const Outcome outcome = run_command({.argv = argv, .folder = folder, .log = log, .timeout_s = spec_.timeout_s, .environment = tools_.environment}, halt, watch);
+    const Outcome outcome = run_command(
+        {.argv = argv, .folder = folder, .log = log, .timeout_s = spec_.timeout_s, .environment = tools_.environment}, halt, watch);
     add(solve, outcome);
     if (cancel_) throw Interrupted();
 
@@ -207,18 +219,22 @@ class Solver {
     const auto history = read_history(folder);
     record.iterations += static_cast<int>(history.size());
     const auto series = channels_of(history, scales_, id_.symmetry);
-    if (outcome.timed_out) return fail(Status::timed_out, fmt::format("stopped after {:.0f} s and {} iterations: raise timeout_s", spec_.timeout_s, history.size()));
+    if (outcome.timed_out)
+      return fail(Status::timed_out,
+                  fmt::format("stopped after {:.0f} s and {} iterations: raise timeout_s", spec_.timeout_s, history.size()));
     if (live.status == Status::diverged) return fail(Status::diverged, live.reason);
     // 136 = 128 + SIGFPE: the trap for floating point errors is on.
     if (outcome.exit_code == 136) return fail(Status::diverged, fmt::format("floating point failure after {} iterations", history.size()));
-    if (outcome.exit_code != 0) return fail(Status::failed, fmt::format("{} ended with code {}: {}", argv[0], outcome.exit_code, log_excerpt(log)));
+    if (outcome.exit_code != 0)
+      return fail(Status::failed, fmt::format("{} ended with code {}: {}", argv[0], outcome.exit_code, log_excerpt(log)));
     if (!ended_well(log)) return fail(Status::failed, "simpleFoam returned 0 without reaching its End");
     const Verdict at_end = judge(series, spec_.stop, scales_.plausible, true);
     // The last iteration or two came after the decision to stop; they may not undo it, unless the solution blew up.
     const Verdict& verdict = live.stop && at_end.status != Status::diverged ? live : at_end;
     if (!case_record::is_usable(verdict.status)) return fail(verdict.status, verdict.reason);
     // A wrong patch gives zeros and a mere warning.
-    if (history.back().load.force().norm() < 1e-9 * scales_.force) return fail(Status::failed, "the forces are zero: the patch 'body' is empty");
+    if (history.back().load.force().norm() < 1e-9 * scales_.force)
+      return fail(Status::failed, "the forces are zero: the patch 'body' is empty");
 
     on_progress_({"post", static_cast<int>(history.size()), series.back()[0]});
     finish(folder, history, verdict, record);
@@ -258,7 +274,8 @@ class Solver {
 
   Outcome run(const fs::path& folder, std::vector<std::string> argv, StageCost& cost) {
     const fs::path log = folder / ("log." + argv[0]);
-    const Outcome outcome = run_command({.argv = std::move(argv), .folder = folder, .log = log, .timeout_s = spec_.timeout_s, .environment = tools_.environment}, cancel_);
+    const Outcome outcome = run_command(
+        {.argv = std::move(argv), .folder = folder, .log = log, .timeout_s = spec_.timeout_s, .environment = tools_.environment}, cancel_);
     add(cost, outcome);
     return outcome;
   }
@@ -292,7 +309,8 @@ case_record::SurfaceSample read_surface(const fs::path& case_folder, const PolyM
   const Eigen::VectorXd cell_pressure = read_cell_scalars(time / "p", mesh.cells());
   // OpenFOAM's wallShearStress is what the wall does to the air; the air does the opposite to the wall.
   const Eigen::Matrix3Xd shear = -read_patch_vectors(time / "wallShearStress", "body", patch.faces) / scale;
-  case_record::SurfaceSample sample{Eigen::Matrix3Xd(3, patch.faces), Eigen::Matrix3Xd(3, patch.faces), Eigen::VectorXd(patch.faces), shear};
+  case_record::SurfaceSample sample{Eigen::Matrix3Xd(3, patch.faces), Eigen::Matrix3Xd(3, patch.faces), Eigen::VectorXd(patch.faces),
+                                    shear};
   Vector3d pressure_force = Vector3d::Zero(), viscous_force = Vector3d::Zero();
   for (int i = 0; i < patch.faces; ++i) {
     const FaceGeometry face = face_geometry(mesh, patch.first_face + i);
@@ -302,13 +320,14 @@ case_record::SurfaceSample read_surface(const fs::path& case_folder, const PolyM
     pressure_force += kDensity * scale * sample.pressure_coefficient[i] * face.area_vector;
     viscous_force += kDensity * scale * shear.col(i) * face.area_vector.norm();
   }
-  // Both sums are over the same faces and the same iteration as the solver's own; ten digits are written, so 1e-3 leaves only real mistakes.
+  // Both sums are over the same faces and the same iteration as the solver's own; ten digits are written, so 1e-3 leaves only real
+  // mistakes.
   const double allowed = 1e-3 * meshed_load.force().norm();
-  for (const auto& [what, found, needed] :
-       {std::tuple{"pressure", pressure_force, meshed_load.force_pressure}, std::tuple{"shear stress", viscous_force, meshed_load.force_viscous}})
+  for (const auto& [what, found, needed] : {std::tuple{"pressure", pressure_force, meshed_load.force_pressure},
+                                            std::tuple{"shear stress", viscous_force, meshed_load.force_viscous}})
     if (!((found - needed).norm() <= allowed))
-      throw CaseFailure(fmt::format("{} on the faces adds up to ({:.5g} {:.5g} {:.5g}), but the force file says ({:.5g} {:.5g} {:.5g})", what, found.x(), found.y(),
-                                    found.z(), needed.x(), needed.y(), needed.z()));
+      throw CaseFailure(fmt::format("{} on the faces adds up to ({:.5g} {:.5g} {:.5g}), but the force file says ({:.5g} {:.5g} {:.5g})",
+                                    what, found.x(), found.y(), found.z(), needed.x(), needed.y(), needed.z()));
   return sample;
 }
 

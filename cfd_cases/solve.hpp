@@ -23,11 +23,12 @@ struct Progress {
 case_record::CaseRecord solve_case(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, int ranks,
                                    const std::atomic<bool>& cancel, const std::function<void(const Progress&)>& on_progress);
 
-/// Pressure and shear on the faces of the patch "body" from the last time folder of a case, checked against the load of that iteration (of the
-/// meshed faces): the sums of p dA and of the shear must give its pressure and its viscous force to 1e-3 of the force.
+/// Pressure and shear on the faces of the patch "body" from the last time folder of a case, checked against the load of that iteration (of
+/// the meshed faces): the sums of p dA and of the shear must give its pressure and its viscous force to 1e-3 of the force.
 /// @param scale  U^2 / 2, which turns OpenFOAM's kinematic pressure into C_p
 /// @throws CaseFailure when they do not, or the fields are incomplete
-case_record::SurfaceSample read_surface(const std::filesystem::path& case_folder, const PolyMesh& mesh, const case_record::Load& meshed_load, double scale);
+case_record::SurfaceSample read_surface(const std::filesystem::path& case_folder, const PolyMesh& mesh,
+                                        const case_record::Load& meshed_load, double scale);
 
 /// Newest time folder of a case with results. @throws CaseFailure when there is none
 std::filesystem::path last_time_folder(const std::filesystem::path& case_folder);

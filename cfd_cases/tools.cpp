@@ -83,7 +83,10 @@ std::vector<Check> examine(const fs::path& cache, fs::path cfd_mesh) {
   checks.push_back(gmsh);
 
   const fs::path mpirun = find_program("mpirun");
-  checks.push_back({.name = "MPI", .good = !mpirun.empty(), .needed = false, .found = mpirun.empty() ? "no mpirun on PATH (only --ranks needs it)" : mpirun.string(),
+  checks.push_back({.name = "MPI",
+                    .good = !mpirun.empty(),
+                    .needed = false,
+                    .found = mpirun.empty() ? "no mpirun on PATH (only --ranks needs it)" : mpirun.string(),
                     .fix = mpirun.empty() ? "apt-get install openmpi-bin" : ""});
 
   const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
@@ -100,7 +103,7 @@ std::vector<Check> examine(const fs::path& cache, fs::path cfd_mesh) {
 }
 
 Tools find_tools(fs::path cfd_mesh) {
-  if (cfd_mesh.empty()) cfd_mesh = beside_this_program("cfd_mesh");
+  cfd_mesh = cfd_mesh.empty() ? beside_this_program("cfd_mesh") : fs::absolute(cfd_mesh);  // it is run from other folders
   std::string faults;
   Tools tools{.cfd_mesh = cfd_mesh, .environment = tool_environment(), .openfoam = {}, .gmsh = {}};
   for (const Check& check : examine(".", cfd_mesh)) {

@@ -17,8 +17,8 @@ struct EnvironmentFault : std::runtime_error {
 struct Tools {
   std::filesystem::path cfd_mesh;
   std::map<std::string, std::string> environment;  ///< for OpenFOAM and Open MPI
-  std::string openfoam;  ///< "1912"
-  std::string gmsh;      ///< "4.8.4"
+  std::string openfoam;                            ///< "1912"
+  std::string gmsh;                                ///< "4.8.4"
 
   std::map<std::string, std::string> versions() const { return {{"gmsh", gmsh}, {"openfoam", openfoam}}; }
 };
@@ -31,9 +31,9 @@ Tools find_tools(std::filesystem::path cfd_mesh = {});
 struct Check {
   std::string name;
   bool good = false;
-  bool needed = true;   ///< false: only some options need it
+  bool needed = true;  ///< false: only some options need it
   std::string found;
-  std::string fix;      ///< empty when good
+  std::string fix;  ///< empty when good
 };
 
 /// OpenFOAM's programs and their etc folder, gmsh, MPI, cores, and space for `cache`.

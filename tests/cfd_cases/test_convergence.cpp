@@ -25,7 +25,8 @@ std::vector<Channels> series(int n, const std::function<double(int)>& drag) {
 
 }  // namespace
 
-TEST_CASE("forces that stand still are steady without uncertainty as soon as the minimum is reached", "[cfd_cases][convergence][analytic]") {
+TEST_CASE("forces that stand still are steady without uncertainty as soon as the minimum is reached",
+          "[cfd_cases][convergence][analytic]") {
   const auto still = [](int) { return 1.05; };
   CHECK_FALSE(judge(series(kPolicy.min_iterations - 1, still), kPolicy, kPlausible, false).stop);
   const Verdict verdict = judge(series(kPolicy.min_iterations, still), kPolicy, kPlausible, false);
@@ -35,7 +36,8 @@ TEST_CASE("forces that stand still are steady without uncertainty as soon as the
   CHECK(verdict.u_iteration.maxCoeff() == 0.0);
 }
 
-TEST_CASE("a drift below the tolerance is steady with half its size as uncertainty, above it the run goes on", "[cfd_cases][convergence][limit]") {
+TEST_CASE("a drift below the tolerance is steady with half its size as uncertainty, above it the run goes on",
+          "[cfd_cases][convergence][limit]") {
   // Over a window of 100 iterations a line of slope s spreads by 99 s.
   const auto drifting = [](double per_window) { return series(200, [=](int i) { return 1.0 + per_window * i / 99.0; }); };
   const Verdict slow = judge(drifting(0.0029), kPolicy, kPlausible, false);
@@ -61,13 +63,15 @@ TEST_CASE("a body with hardly any drag is judged on the floor, not on its own dr
   CHECK(judge(forces, kPolicy, kPlausible, false).status == Status::steady);
 }
 
-TEST_CASE("an oscillation about a mean is averaged, and its mean lies within the stated uncertainty", "[cfd_cases][convergence][analytic]") {
+TEST_CASE("an oscillation about a mean is averaged, and its mean lies within the stated uncertainty",
+          "[cfd_cases][convergence][analytic]") {
   const auto oscillating = series(500, [](int i) { return 1.0 + 0.02 * std::sin(2.0 * std::numbers::pi * i / 37.0); });
   const Verdict verdict = judge(oscillating, kPolicy, kPlausible, false);
   REQUIRE(verdict.status == Status::statistically_steady);
   CHECK(verdict.stop);
   double mean = 0.0;
-  for (int i = 0; i < verdict.averaged_over; ++i) mean += oscillating[oscillating.size() - 1 - static_cast<std::size_t>(i)][0] / verdict.averaged_over;
+  for (int i = 0; i < verdict.averaged_over; ++i)
+    mean += oscillating[oscillating.size() - 1 - static_cast<std::size_t>(i)][0] / verdict.averaged_over;
   const double u = std::hypot(verdict.u_statistical[0], verdict.u_iteration[0]);
   CHECK(u > 0.0);
   CHECK(u < 0.01);  // of an amplitude of 0.02

@@ -37,8 +37,10 @@ TEST_CASE("only a half model has a symmetry patch", "[cfd_cases][dictionaries]")
 }
 
 TEST_CASE("the cautious rung relaxes more and never less than asked", "[cfd_cases][dictionaries]") {
-  CHECK_THAT(dictionaries(spec_of("laminar"), Symmetry::none, Rung::standard).at("system/fvSolution"), Contains("U 0.85;") && Contains("p 0.8;"));
-  CHECK_THAT(dictionaries(spec_of("laminar"), Symmetry::none, Rung::cautious).at("system/fvSolution"), Contains("U 0.6;") && Contains("p 0.5;"));
+  CHECK_THAT(dictionaries(spec_of("laminar"), Symmetry::none, Rung::standard).at("system/fvSolution"),
+             Contains("U 0.85;") && Contains("p 0.8;"));
+  CHECK_THAT(dictionaries(spec_of("laminar"), Symmetry::none, Rung::cautious).at("system/fvSolution"),
+             Contains("U 0.6;") && Contains("p 0.5;"));
   Numerics gentle;
   gentle.relaxation_velocity = 0.3;
   CHECK(numerics_on(Rung::cautious, gentle).relaxation_velocity == 0.3);
@@ -46,13 +48,16 @@ TEST_CASE("the cautious rung relaxes more and never less than asked", "[cfd_case
 
 TEST_CASE("gradients are unlimited unless a sensitivity study asks for the limiter", "[cfd_cases][dictionaries]") {
   CaseSpec spec = spec_of("k_omega_sst");
-  CHECK_THAT(dictionaries(spec, Symmetry::none, Rung::standard).at("system/fvSchemes"), Contains("default Gauss linear;") && Contains("bounded Gauss linearUpwind grad(U)"));
+  CHECK_THAT(dictionaries(spec, Symmetry::none, Rung::standard).at("system/fvSchemes"),
+             Contains("default Gauss linear;") && Contains("bounded Gauss linearUpwind grad(U)"));
   spec.numerics.gradient = "cell_limited";
   CHECK_THAT(dictionaries(spec, Symmetry::none, Rung::standard).at("system/fvSchemes"), Contains("default cellLimited Gauss linear 1;"));
 }
 
-TEST_CASE("forces are taken about the centroid and written at every iteration, and the solver heeds the stop file", "[cfd_cases][dictionaries]") {
+TEST_CASE("forces are taken about the centroid and written at every iteration, and the solver heeds the stop file",
+          "[cfd_cases][dictionaries]") {
   const std::string control = dictionaries(spec_of("laminar"), Symmetry::none, Rung::standard).at("system/controlDict");
-  CHECK_THAT(control, Contains("CofR (0 0 0)") && Contains("patches (body)") && Contains("writeInterval 1;") && Contains("file \"<case>/stop\""));
+  CHECK_THAT(control,
+             Contains("CofR (0 0 0)") && Contains("patches (body)") && Contains("writeInterval 1;") && Contains("file \"<case>/stop\""));
   CHECK_THAT(decomposition(4), Contains("hierarchical") && Contains("n (4 1 1)"));
 }

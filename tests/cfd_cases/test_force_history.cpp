@@ -9,7 +9,9 @@ using Eigen::Vector3d;
 
 namespace {
 
-const std::string kHeader = "# Force\n# CofR : (0 0 0)\n#\n# Time \t(total_x total_y total_z)\t(pressure_x pressure_y pressure_z)\t(viscous_x viscous_y viscous_z)\n";
+const std::string kHeader =
+    "# Force\n# CofR : (0 0 0)\n#\n# Time \t(total_x total_y total_z)\t(pressure_x pressure_y pressure_z)\t(viscous_x viscous_y "
+    "viscous_z)\n";
 
 std::string row(double time, double drag) {
   return std::to_string(time) + "\t(" + std::to_string(drag + 0.5) + " 2 3)\t(" + std::to_string(drag) + " 2 3)\t(0.5 0 0)\n";

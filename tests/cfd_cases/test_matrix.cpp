@@ -75,16 +75,21 @@ parameters = { length = 2 }
 }
 
 TEST_CASE("a matrix that is wrong names file, line and column of its fault", "[cfd_cases][matrix][hard]") {
-  CHECK_THAT(error_of("[[sweep]]\nshape = \"plate\"\nincidense_deg = 3\n"), StartsWith("test.toml:3:1: unknown key 'incidense_deg'") && Contains("incidence_deg"));
+  CHECK_THAT(error_of("[[sweep]]\nshape = \"plate\"\nincidense_deg = 3\n"),
+             StartsWith("test.toml:3:1: unknown key 'incidense_deg'") && Contains("incidence_deg"));
   CHECK_THAT(error_of("[[sweep]]\nshape = \"plate\"\nyaw_deg = [0, 200]\n"), StartsWith("test.toml:3:15: yaw_deg = 200 is out of range"));
   CHECK_THAT(error_of("[[sweep]]\nshape = \"plate\"\nreynolds = \"big\"\n"), StartsWith("test.toml:3:12: reynolds must be a number"));
   CHECK_THAT(error_of("[[sweep]]\nshape = \"plate\"\nretries = 0.5\n"), StartsWith("test.toml:3:11: retries must be a whole number"));
-  CHECK_THAT(error_of("[[sweep]]\nshape = \"plate\"\nmesh = \"super\"\n"), StartsWith("test.toml:3:8: mesh = \"super\" is unknown: use coarse"));
+  CHECK_THAT(error_of("[[sweep]]\nshape = \"plate\"\nmesh = \"super\"\n"),
+             StartsWith("test.toml:3:8: mesh = \"super\" is unknown: use coarse"));
   CHECK_THAT(error_of("[[sweep]]\nshape = \"blob\"\n"), StartsWith("test.toml:1:") && Contains("blob"));
-  CHECK_THAT(error_of("[[sweep]]\nshape = \"plate\"\nparameters = { thickness = 0 }\n"), StartsWith("test.toml:3:14: ") && Contains("cannot be meshed"));
+  CHECK_THAT(error_of("[[sweep]]\nshape = \"plate\"\nparameters = { thickness = 0 }\n"),
+             StartsWith("test.toml:3:14: ") && Contains("cannot be meshed"));
   CHECK_THAT(error_of("[[sweep]]\nshape = \"cone\"\nparameters = { apex = 3 }\n"), StartsWith("test.toml:3:14: ") && Contains("apex"));
-  CHECK_THAT(error_of("[[sweep]]\nshape = \"plate\"\nyaw_deg = { from = 0, to = 10, step = 3 }\n"), StartsWith("test.toml:3:11: ") && Contains("does not lead"));
-  CHECK_THAT(error_of("[[sweep]]\nshape = \"plate\"\nnumerics = { relaxation_pressure = 1.5 }\n"), StartsWith("test.toml:3:36: relaxation_pressure = 1.5"));
+  CHECK_THAT(error_of("[[sweep]]\nshape = \"plate\"\nyaw_deg = { from = 0, to = 10, step = 3 }\n"),
+             StartsWith("test.toml:3:11: ") && Contains("does not lead"));
+  CHECK_THAT(error_of("[[sweep]]\nshape = \"plate\"\nnumerics = { relaxation_pressure = 1.5 }\n"),
+             StartsWith("test.toml:3:36: relaxation_pressure = 1.5"));
   CHECK_THAT(error_of("[[sweep]]\nshape = plate\n"), StartsWith("test.toml:2:9: "));  // a syntax error
   CHECK_THAT(error_of("tier = \"x\"\n"), Contains("at least one [[sweep]]"));
 }
@@ -99,8 +104,9 @@ TEST_CASE("the tiers of the repository can be read, and quick holds what the mai
   std::set<std::string> names;
   for (const auto& spec : load_matrix("quick").cases) names.insert(spec.name);
   CHECK(names.size() == 23);
-  for (const char* name : {"plate_incidence-000_re-1e5_medium", "plate_incidence-090_re-1e5_medium", "cube_yaw-045_re-1e5_medium", "cone_incidence-180_re-1e5_medium",
-                           "sphere_incidence-000_re-1e2-laminar_medium", "plate-span-2_incidence-030_re-1e2-laminar_medium", "teardrop_incidence-000_re-1e5_medium"}) {
+  for (const char* name : {"plate_incidence-000_re-1e5_medium", "plate_incidence-090_re-1e5_medium", "cube_yaw-045_re-1e5_medium",
+                           "cone_incidence-180_re-1e5_medium", "sphere_incidence-000_re-1e2-laminar_medium",
+                           "plate-span-2_incidence-030_re-1e2-laminar_medium", "teardrop_incidence-000_re-1e5_medium"}) {
     CAPTURE(name);
     CHECK(names.contains(name));
   }

@@ -19,14 +19,16 @@ TEST_CASE("the distance to a body is that of geometry", "[cfd_cases][mesh][analy
   const double base = root3 / 8.0;
   CHECK(distance_to_body(dragcore::Cone{}, {base + 1.0, 0.0, 0.0}) == Approx(1.0));
   CHECK(distance_to_body(dragcore::Cone{}, {base - root3 / 2.0 - 1.0, 0.0, 0.0}) == Approx(1.0));
-  CHECK(distance_to_body(dragcore::Cone{}, {base, 0.0, 1.5}) == Approx(1.0));                       // the rim
+  CHECK(distance_to_body(dragcore::Cone{}, {base, 0.0, 1.5}) == Approx(1.0));  // the rim
   CHECK(distance_to_body(dragcore::Cylinder{.diameter = 1.0, .length = 3.0}, {1.0, 2.0, 0.0}) == Approx(1.5));
   CHECK(distance_to_body(dragcore::Ellipsoid{1.5, 0.5, 0.5}, {2.0, 0.0, 0.0}) == Approx(2.0 / 3.0).epsilon(0.35));  // first order far out
   CHECK(distance_to_body(dragcore::Ellipsoid{1.5, 0.5, 0.5}, {1.501, 0.0, 0.0}) == Approx(0.001).epsilon(1e-3));
 }
 
 TEST_CASE("the distance vanishes on and in the body", "[cfd_cases][mesh][limit]") {
-  const dragcore::Shape shapes[] = {dragcore::Plate{}, dragcore::Box{}, dragcore::Cone{}, dragcore::Sphere{}, dragcore::Cylinder{}, dragcore::Ellipsoid{1.0, 0.5, 0.3}, dragcore::Teardrop{}};
+  const dragcore::Shape shapes[] = {dragcore::Plate{},   dragcore::Box{},      dragcore::Cone{},
+                                    dragcore::Sphere{},  dragcore::Cylinder{}, dragcore::Ellipsoid{1.0, 0.5, 0.3},
+                                    dragcore::Teardrop{}};
   for (const auto& shape : shapes) {
     CAPTURE(dragcore::kind(shape));
     CHECK(distance_to_body(shape, Vector3d::Zero()) == 0.0);

@@ -37,9 +37,9 @@ TEST_CASE("a sphere at Re 100 has the published drag, and every face of it adds 
   CHECK(drag_coefficient(record) == Approx(1.095).epsilon(0.05));
   CHECK(record.half_model);
   CHECK(record.load.force().y() == 0.0);
-  // Lift and pitch of a sphere are noise: below 1 % of the drag, and stated as such.
-  CHECK(std::abs(record.load.force().z()) < 0.01 * record.load.force().x());
-  CHECK(record.u_null[2] == std::abs(record.load.force().z()));
+  // Lift of a sphere is the noise of an unsymmetric mesh: of the order of the coarse mesh's error of the drag, and stated as such.
+  CHECK(std::abs(record.load.force().z()) < 0.03 * record.load.force().x());
+  CHECK(record.u_null[2] == Approx(std::abs(record.load.force().z())));
   CHECK(record.u_null[0] == 0.0);
   // Area and volume of a sphere of diameter 1, less what facets cut off: (h/R)^2 = 0.14^2 = 2 %.
   CHECK(record.surface_area == Approx(std::numbers::pi).epsilon(0.02));
@@ -75,7 +75,7 @@ TEST_CASE("the dual mesh of a sharp-edged body passes checkMesh with its exact a
   cache.make_folders();
   const auto identity = identify(spec, tools);
   const Mesh mesh = ensure_mesh(spec, identity, tools, cache, cache.work(identity.key), kNever, [](const char*) {});
-  CHECK(mesh.surface_area == Approx(6.0).epsilon(1e-6));   // coordinates carry 12 digits, OpenCASCADE 1e-7
+  CHECK(mesh.surface_area == Approx(6.0).epsilon(1e-6));  // coordinates carry 12 digits, OpenCASCADE 1e-7
   CHECK(mesh.surface_volume == Approx(1.0).epsilon(1e-6));
   CHECK(mesh.quality.at("max_non_orthogonality_deg") < 70.0);  // OpenFOAM's limit of "severe"
 

@@ -32,7 +32,11 @@ bool gone(pid_t pid) {
 TEST_CASE("a program's exit code, output, folder and environment are its own", "[cfd_cases][subprocess]") {
   const TemporaryFolder folder;
   const auto log = folder.path / "log";
-  const Outcome outcome = run_command({.argv = {"sh", "-c", "echo \"$GREETING in $(pwd)\"; exit 3"}, .folder = folder.path, .log = log, .environment = {{"GREETING", "hello"}}}, kNever);
+  const Outcome outcome = run_command({.argv = {"sh", "-c", "echo \"$GREETING in $(pwd)\"; exit 3"},
+                                       .folder = folder.path,
+                                       .log = log,
+                                       .environment = {{"GREETING", "hello"}}},
+                                      kNever);
   CHECK(outcome.exit_code == 3);
   CHECK(text_of(log) == "hello in " + std::filesystem::canonical(folder.path).string() + "\n");
   CHECK_FALSE(outcome.timed_out);
@@ -54,7 +58,8 @@ TEST_CASE("a time-out ends the program's children, too", "[cfd_cases][subprocess
 
 TEST_CASE("a program deaf to SIGTERM is killed after its three seconds of grace", "[cfd_cases][subprocess][hard]") {
   const TemporaryFolder folder;
-  const Outcome outcome = run_command({.argv = {"sh", "-c", "trap '' TERM; while true; do sleep 0.1; done"}, .log = folder.path / "log", .timeout_s = 0.2}, kNever);
+  const Outcome outcome = run_command(
+      {.argv = {"sh", "-c", "trap '' TERM; while true; do sleep 0.1; done"}, .log = folder.path / "log", .timeout_s = 0.2}, kNever);
   CHECK(outcome.timed_out);
   CHECK(outcome.exit_code == 128 + SIGKILL);
 }
@@ -75,7 +80,8 @@ TEST_CASE("cancelling from another thread ends a program at once", "[cfd_cases][
 TEST_CASE("processor time counts children and not sleep", "[cfd_cases][subprocess]") {
   const TemporaryFolder folder;
   // The loop runs in a child of the shell; 200,000 rounds take at least some hundredths of a second on any machine.
-  const Outcome busy = run_command({.argv = {"sh", "-c", "(i=0; while [ $i -lt 200000 ]; do i=$((i+1)); done); exit 0"}, .log = folder.path / "log"}, kNever);
+  const Outcome busy = run_command(
+      {.argv = {"sh", "-c", "(i=0; while [ $i -lt 200000 ]; do i=$((i+1)); done); exit 0"}, .log = folder.path / "log"}, kNever);
   const Outcome idle = run_command({.argv = {"sleep", "0.5"}, .log = folder.path / "log"}, kNever);
   CHECK(busy.cpu_s > 0.02);
   CHECK(idle.cpu_s < 0.1);
