@@ -64,12 +64,11 @@ TextGrid published_grid(const std::vector<PublishedCheck>& checks) {
   TextGrid grid;
   grid.add({"case", "", "CFD", "published", "±", "difference", "goal", "source"});
   for (const PublishedCheck& check : checks) {
-    const char* mark = !check.goal_percent ? "" : check.within_goal() ? "within " : "OUTSIDE ";
+    const char* mark = !check.goal ? "" : check.within_goal() ? "within " : "OUTSIDE ";
     grid.add({check.case_name, check.quantity, number_text(check.cfd), number_text(check.published.value),
               number_text(check.published.uncertainty),
-              check.quantity.ends_with("_deg") ? number_text(check.difference(), "{:+.1f}°")
-                                               : number_text(check.difference_percent(), "{:+.1f} %"),
-              check.goal_percent ? fmt::format("{}{:g} %", mark, *check.goal_percent) : "",
+              fmt::format("{:+.1f}{}", check.difference_in_unit(), check.unit()),
+              check.goal ? fmt::format("{}{:g}{}", mark, *check.goal, check.unit()) : "",
               check.published.citation + (check.published.conversion.empty() ? "" : " (area converted)")},
              check.within_goal() ? fmt::text_style{} : fg(fmt::terminal_color::red));
   }
@@ -175,7 +174,8 @@ json to_json(const ErrorTable& table) {
                                    {"uncertainty", check.published.uncertainty},
                                    {"difference", check.difference()},
                                    {"difference_percent", check.difference_percent()},
-                                   {"goal_percent", optional_json(check.goal_percent)},
+                                   {"goal", optional_json(check.goal)},
+                                   {"goal_unit", check.is_angle() ? "deg" : "%"},
                                    {"within_goal", check.within_goal()},
                                    {"citation", check.published.citation},
                                    {"conversion", check.published.conversion}});

@@ -63,8 +63,8 @@ PublishedEntry entry_from(const toml::table& table) {
       entry.published.conversion = text();
     else if (name == "area_factor")
       entry.area_factor = number();
-    else if (name == "goal_percent")
-      entry.goal_percent = number();
+    else if (name == "goal")
+      entry.goal = number();
     else if (name == "note_label")
       entry.note_label = text();
     else
@@ -134,7 +134,7 @@ std::vector<PublishedCheck> published_checks(const std::vector<case_record::Case
     if (!case_record::is_usable(family.record->status)) continue;
     for (const PublishedEntry& entry : published_entries())
       if (const auto cfd = measured(*family.record, entry.quantity); cfd && entry.fits(*family.record))
-        checks.push_back({family.record->name, entry.quantity, *cfd, entry.on_reference_area(*family.record), entry.goal_percent});
+        checks.push_back({family.record->name, entry.quantity, *cfd, entry.on_reference_area(*family.record), entry.goal});
   }
   return checks;
 }

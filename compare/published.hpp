@@ -32,7 +32,7 @@ struct PublishedEntry {
   std::string quantity;                ///< "C_D", "C_L", "force_angle_deg"
   PublishedValue published;            ///< on its own area
   double area_factor = 1.0;            ///< value on A_ref of docs/conventions.md = area_factor times the published one
-  std::optional<double> goal_percent;  ///< largest difference that this project asks of its CFD chain
+  std::optional<double> goal;          ///< largest difference that this project asks of its CFD chain: %, or degrees for an angle
   std::string note_label;              ///< row of the note's own table of drag coefficients, or empty
 
   bool fits(const case_record::CaseRecord& record) const;
@@ -51,11 +51,15 @@ struct PublishedCheck {
   std::string quantity;
   double cfd = 0.0;
   PublishedValue published;
-  std::optional<double> goal_percent;
+  std::optional<double> goal;
 
+  /// An angle is compared in degrees: a percentage of an angle says nothing.
+  bool is_angle() const { return quantity.ends_with("_deg"); }
+  const char* unit() const { return is_angle() ? "\u00b0" : " %"; }
   double difference() const { return cfd - published.value; }
   double difference_percent() const { return 100.0 * difference() / published.value; }
-  bool within_goal() const { return !goal_percent || std::abs(difference_percent()) <= *goal_percent; }
+  double difference_in_unit() const { return is_angle() ? difference() : difference_percent(); }
+  bool within_goal() const { return !goal || std::abs(difference_in_unit()) <= *goal; }
 };
 
 /// Every usable case, at its finest mesh, for which something was published. The check of the CFD chain itself.

@@ -373,9 +373,8 @@ std::string published_section(const Report& report) {
   table.head = {
       {{"case", "text"}, {"quantity"}, {"OpenFOAM"}, {"published"}, {"difference"}, {"goal"}, {"verdict", "text"}, {"source", "text"}}};
   for (const PublishedCheck& check : report.models.front().table.published) {
-    const bool angle = check.quantity == "force_angle_deg";  // compared in degrees: a percentage of an angle says nothing
-    const int decimals = angle ? 1 : 3;
-    const std::string quantity = angle ? "force angle [\u00b0]" : html::symbol(check.quantity);
+    const int decimals = check.is_angle() ? 1 : 3;
+    const std::string quantity = check.is_angle() ? "force angle [\u00b0]" : html::symbol(check.quantity);
     std::string source = escape(fmt::format("{} ({}; {})", check.published.citation, check.published.kind, check.published.confidence));
     if (!check.published.conversion.empty()) source += ", " + escape(check.published.conversion);
     table.rows.push_back(
@@ -383,12 +382,12 @@ std::string published_section(const Report& report) {
          {quantity},
          {number(check.cfd, decimals)},
          {number(check.published.value, decimals) + " \u00b1 " + number(check.published.uncertainty, decimals)},
-         {angle ? number(check.cfd - check.published.value, 1, true) + "\u00b0" : number(check.difference_percent(), 1, true) + "\u2009%"},
-         {check.goal_percent ? "\u00b1" + number(*check.goal_percent, 0) + "\u2009%" : "\u2013"},
-         {!check.goal_percent   ? "no goal set"
+         {number(check.difference_in_unit(), 1, true) + check.unit()},
+         {check.goal ? "\u00b1" + number(*check.goal, 0) + check.unit() : "\u2013"},
+         {!check.goal           ? "no goal set"
           : check.within_goal() ? "within"
                                 : "outside",
-          check.within_goal() ? (check.goal_percent ? "text tight good" : "text tight faint") : "text bad"},
+          check.within_goal() ? (check.goal ? "text tight good" : "text tight faint") : "text bad"},
          {source, "text small"}});
   }
   const std::string text = table.rows.empty() ? "<p>No case of these references has a published value.</p>\n" : table.text();
