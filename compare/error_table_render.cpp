@@ -15,9 +15,12 @@ using nlohmann::json;
 std::string percent(const std::optional<double>& ratio) { return ratio ? number_text(100.0 * *ratio, "{:+.1f} %") : ""; }
 
 std::string verdict(const ErrorRow& row) {
-  if (row.verdict) return *row.verdict == Verdict::resolved ? "resolved" : "noise";
+  // Without the part of the mesh 2u is a lower bound, and so is the evidence.
+  if (row.verdict) return *row.verdict != Verdict::resolved ? "noise" : row.discretisation_assessed ? "resolved" : "resolved*";
   if (row.status == "missing" || (!row.cfd && !row.reason.empty())) return row.status + ": " + row.reason;
-  return row.cfd ? "" : row.status;
+  // A usable case may have no centre of pressure: that is no verdict on it.
+  const bool usable = row.status == "steady" || row.status == "statistically_steady";
+  return row.cfd || usable ? "" : row.status;
 }
 
 std::string orientation(const ErrorRow& row) {

@@ -87,7 +87,7 @@ GateResult run_gate(const Baseline& baseline, const std::vector<CaseRecord>& rec
                     const std::function<Predictor(const NamedModel&)>& predictor_of) {
   GateResult result;
   result.planned = static_cast<int>(baseline.planned.size());
-  std::set<std::string> compared;
+  std::map<std::string, std::size_t> compared;  // in how many of the models
   const std::vector<CaseFamily> families = case_families(records);
   for (const NamedModel& named : gated_models()) {
     const auto found = baseline.models.find(named.name);
@@ -108,7 +108,7 @@ GateResult run_gate(const Baseline& baseline, const std::vector<CaseRecord>& rec
         const std::string where = case_name + " " + channel;
         const auto row = rows.find({case_name, channel});
         const ErrorRow now = row == rows.end() ? ErrorRow{} : *row->second;
-        if (now.cfd && channel == symbol(Channel::drag)) compared.insert(case_name);
+        if (now.cfd && channel == symbol(Channel::drag)) ++compared[case_name];
         // A case that has gone is the business of coverage; a channel of a case that is there is ours.
         if (!rows.contains({case_name, symbol(Channel::drag)})) continue;
         compare_values(predictions, where, now.model, was.model);
@@ -133,11 +133,13 @@ GateResult run_gate(const Baseline& baseline, const std::vector<CaseRecord>& rec
       if (case_record::is_usable(family.record->status)) check_null_channels(null, family, predict_case(*family.record));
     for (const Tally* tally : {&predictions, &references, &groups, &cases, &signs, &null}) result.checks.push_back(tally->result());
   }
-  for (const std::string& name : baseline.planned) result.compared += static_cast<int>(compared.contains(name));
+  // A case counts when every model was compared on it: one that is missing from a single model is a hole too.
+  const auto everywhere = [&](const std::string& name) { return compared[name] == gated_models().size(); };
+  for (const std::string& name : baseline.planned) result.compared += static_cast<int>(everywhere(name));
   GateCheck coverage{"coverage", result.complete(), result.compared,
                      fmt::format("{} of {} planned cases compared", result.compared, result.planned)};
   for (const std::string& name : baseline.planned)
-    if (!compared.contains(name)) coverage.detail += "; without a usable reference: " + name;
+    if (!everywhere(name)) coverage.detail += "; without a usable reference, or left out of a model: " + name;
   result.checks.push_back(std::move(coverage));
   return result;
 }

@@ -14,12 +14,13 @@ std::vector<NoteRow> note_table(const std::vector<case_record::CaseRecord>& reco
   std::vector<NoteRow> rows;
   for (const PublishedEntry& entry : published_entries()) {
     if (entry.note_label.empty()) continue;
-    NoteRow row{entry.note_label, entry.published.value, {}, 0.0, "", std::vector<std::optional<double>>(laws.size())};
+    NoteRow row{entry.note_label, entry.published.value, {}, 0.0, false, "", std::vector<std::optional<double>>(laws.size())};
     for (const CaseFamily& family : families) {
       const case_record::CaseRecord& record = *family.record;
       if (!case_record::is_usable(record.status) || !entry.fits(record)) continue;
       row.case_name = record.name;
       row.cfd = *coefficients(record)[Channel::drag] / entry.area_factor;
+      row.discretisation_assessed = family.uncertainty.discretisation_assessed;
       row.u = family.uncertainty.total[0] / coefficient_scales(record)[0] / entry.area_factor;
       for (std::size_t k = 0; k < laws.size(); ++k) {
         const dragcore::Wrench wrench = predict(record, {.law = laws[k]}).total();
@@ -41,7 +42,7 @@ std::string render(const std::vector<NoteRow>& rows, const std::vector<dragcore:
   grid.add(heading);
   for (const NoteRow& row : rows) {
     std::vector<std::string> cells = {row.label, number_text(row.published, "{:.2f}"), row.cfd ? number_text(row.cfd) : "-",
-                                      row.cfd ? number_text(row.u, "{:.2g}") : ""};
+                                      row.cfd ? number_text(row.u, "{:.2g}") + (row.discretisation_assessed ? "" : "*") : ""};
     for (const auto& value : row.laws) cells.push_back(value ? number_text(value) : "-");
     grid.add(cells);
   }

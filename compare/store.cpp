@@ -496,6 +496,8 @@ Reference read_reference(const std::filesystem::path& path) {
   return read_file(path, reference_schema, [](const Handle& file) {
     Reference reference{read_cases(file), {}};
     reference.patches = read_patches(file, reference.cases.size());
+    if (hdf5::read_attribute(file, "content_sha256") != content_digest(reference))
+      throw std::runtime_error("its values are not those that were written (content_sha256 does not fit them)");
     return reference;
   });
 }

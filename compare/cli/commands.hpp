@@ -51,9 +51,10 @@ void add_gate(CLI::App& app, Context& context);
 void add_baseline(CLI::App& app, Context& context);
 void add_report(CLI::App& app, Context& context);
 
-/// The drag model asked for on the command line: --law, --pillow, --factor, --quadrature, --divisions.
+/// The drag model asked for on the command line: --law (with --scale and --base-suction), --pillow, --factor, --quadrature, --divisions.
 struct ModelOptions {
   std::string law = "note";
+  double scale = 1.0, base_suction = 0.0;  ///< of --law scaled
   std::string pillow = "none";
   double factor = 0.0;
   int quadrature = 3;

@@ -15,13 +15,20 @@ namespace cli {
 dragcore::Model ModelOptions::model() const {
   if (quadrature != 1 && quadrature != 3 && quadrature != 6)
     throw UsageError(fmt::format("--quadrature {}: 1, 3 or 6 points per triangle are needed", quadrature));
-  return {dragcore::named_law(law), {dragcore::pillow_form_from(pillow), factor}, static_cast<dragcore::Quadrature>(quadrature)};
+  if (law != "scaled" && (scale != 1.0 || base_suction != 0.0)) throw UsageError("--scale and --base-suction belong to --law scaled");
+  const dragcore::Law chosen = law == "scaled" ? dragcore::scaled_law(scale, base_suction) : dragcore::named_law(law);
+  return {chosen, {dragcore::pillow_form_from(pillow), factor}, static_cast<dragcore::Quadrature>(quadrature)};
 }
 
-std::string ModelOptions::label() const { return pillow == "none" ? law : fmt::format("{}, {} pillow {:g}", law, pillow, factor); }
+std::string ModelOptions::label() const {
+  const std::string name = law == "scaled" ? fmt::format("scaled {:g} suction {:g}", scale, base_suction) : law;
+  return pillow == "none" ? name : fmt::format("{}, {} pillow {:g}", name, pillow, factor);
+}
 
 void add_model_options(CLI::App& command, ModelOptions& options) {
-  command.add_option("--law", options.law, "Pressure law: note or consistent")->capture_default_str();
+  command.add_option("--law", options.law, "Pressure law: note, consistent or scaled")->capture_default_str();
+  command.add_option("--scale", options.scale, "Of the scaled law: factor on the note's windward pressure (dragval calibrate)")->check(CLI::Range(0.0, 3.0))->capture_default_str();
+  command.add_option("--base-suction", options.base_suction, "Of the scaled law: suction coefficient of leeward faces")->check(CLI::Range(0.0, 3.0))->capture_default_str();
   command.add_option("--pillow", options.pillow, "Form of the pillow effect: none, triangle, patch or tilt")->capture_default_str();
   command.add_option("--factor", options.factor, "Factor of the pillow effect: 0 to 1, of the tilt form 0 to 1.5")->capture_default_str();
   command.add_option("--quadrature", options.quadrature, "Points per triangle: 1, 3 or 6")->capture_default_str();

@@ -16,7 +16,7 @@ std::vector<cfd_cases::PlannedCase> plan_cases(const CampaignInput& input, const
   auto cases = cfd_cases::plan(cfd_cases::load_matrix(input.matrix), tools, {input.cache}, run_store(), input.only);
   if (cases.empty())
     throw UsageError(
-        fmt::format("--only '{}' leaves no case of the matrix {}: see `dragval plan {}`", input.only, input.matrix, input.matrix));
+        fmt::format("no case of the matrix {} has '{}' in its name: `dragval plan {}` lists them", input.matrix, input.only, input.matrix));
   return cases;
 }
 

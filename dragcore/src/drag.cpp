@@ -28,6 +28,13 @@ void check_input(const Motion& motion, const Medium& medium, const Model& model)
   if (!(model.pillow.factor >= 0.0 && model.pillow.factor <= largest))
     throw std::invalid_argument("wrench: pillow factor = " + std::to_string(model.pillow.factor) + ", but the form '" + to_string(model.pillow.form) +
                                 "' takes 0 to " + std::to_string(largest));
+  if (const int points = static_cast<int>(model.quadrature); points != 1 && points != 3 && points != 6)
+    throw std::invalid_argument("wrench: quadrature of " + std::to_string(points) + " points, but it must be 1, 3 or 6");
+  // Beyond this the square of the speed, times a density and an area of any size, leaves the range of numbers; sound is at 340 m/s.
+  constexpr double largest_speed = 1e100;
+  for (const Vector3d& v : {motion.wind, motion.velocity, motion.angular_velocity})
+    if (v.cwiseAbs().maxCoeff() > largest_speed)
+      throw std::invalid_argument("wrench: a velocity of " + std::to_string(v.cwiseAbs().maxCoeff()) + " is beyond 1e100 in SI units; was it ever set?");
   for (const Law::Polynomial& polynomial : {model.law.windward, model.law.leeward})
     for (const double coefficient : polynomial)
       if (!std::isfinite(coefficient)) throw std::invalid_argument("wrench: a coefficient of the law '" + model.law.name + "' is not finite");

@@ -17,7 +17,9 @@ Vector6d generalised(const Eigen::Vector3d& linear, const Eigen::Vector3d& angul
 /// Velocity of the body relative to the air, 6 components.
 Vector6d relative(const Motion& motion) { return generalised(motion.velocity - motion.wind, motion.angular_velocity); }
 
-void check_step(double dt) {
+/// What a step is given beside the mass properties. A NaN must not pass quietly into the state of a game.
+void check_step(double dt, bool finite) {
+  if (!finite) throw std::invalid_argument("step: motion, resistance and external wrench must be finite");
   if (!(dt >= 0.0) || !std::isfinite(dt)) throw std::invalid_argument("step: dt = " + std::to_string(dt) + " s, but it must be finite and not negative");
 }
 
@@ -66,7 +68,7 @@ Matrix6d force_jacobian(const Surface& surface, const Motion& motion, const Medi
 }
 
 Vector6d step_secant_implicit(const Matrix6d& resistance, const MassProperties& body, const Motion& motion, const Vector6d& external, double dt) {
-  check_step(dt);
+  check_step(dt, resistance.allFinite() && relative(motion).allFinite() && external.allFinite());
   const Matrix6d mass = body.matrix();
   // In velocities relative to the air, so that the wind's own speed costs no digits.
   const Vector6d moved = (mass + dt * resistance).ldlt().solve(mass * relative(motion) + dt * external);
@@ -74,7 +76,7 @@ Vector6d step_secant_implicit(const Matrix6d& resistance, const MassProperties& 
 }
 
 Vector6d step_scalar_implicit(const Matrix6d& resistance, const MassProperties& body, const Motion& motion, const Vector6d& external, double dt) {
-  check_step(dt);
+  check_step(dt, resistance.allFinite() && relative(motion).allFinite() && external.allFinite());
   const auto factored = body.matrix().llt();
   const double trace = factored.solve(resistance).trace();
   const Vector6d wrench = external - resistance * relative(motion);
@@ -82,7 +84,7 @@ Vector6d step_scalar_implicit(const Matrix6d& resistance, const MassProperties& 
 }
 
 double impulse_share(const Wrench& wrench, const MassProperties& body, const Motion& motion, double dt) {
-  check_step(dt);
+  check_step(dt, wrench.force.allFinite() && wrench.torque.allFinite() && relative(motion).allFinite());
   const Vector6d impulse = dt * generalised(wrench.force, wrench.torque);
   const double work = -impulse.dot(relative(motion)), growth = impulse.dot(body.matrix().llt().solve(impulse));
   return growth > 0.0 ? std::clamp(work / growth, 0.0, 1.0) : (work >= 0.0 ? 1.0 : 0.0);

@@ -1,3 +1,5 @@
+#include <hdf5.h>
+
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <iterator>
@@ -307,6 +309,18 @@ TEST_CASE("a truncated file is named, and neither read nor overwritten", "[compa
     CHECK_THROWS_WITH(compare::write_reference(folder / "reference.h5", reference, "abc"), Contains("reference.h5"));
     CHECK((bytes(folder / "reference.h5") == before));  // as one value: a failure should not print the file
   }
+}
+
+TEST_CASE("a file whose values were changed after it was written is refused", "[compare][store][hard]") {
+  const sample::Folder folder;
+  const compare::Reference reference = compare::merged({}, sample::quick_tier());
+  compare::write_reference(folder / "reference.h5", reference, "abc");
+  const hid_t file = H5Fopen((folder / "reference.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT), column = H5Dopen2(file, "cases/density", H5P_DEFAULT);
+  const std::vector<double> denser(reference.cases.size(), 2.0);
+  REQUIRE(H5Dwrite(column, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, denser.data()) >= 0);
+  H5Dclose(column);
+  H5Fclose(file);
+  CHECK_THROWS_WITH(compare::read_reference(folder / "reference.h5"), Contains("reference.h5") && Contains("content_sha256"));
 }
 
 TEST_CASE("files of others, and of the other kind, are refused by name", "[compare][store][hard]") {

@@ -112,7 +112,7 @@ TEST_CASE("playback maps the clock to one pass, to loops, to and fro, and backwa
   CHECK(at(Repeat::once, -1.0, 9.0) == 4.0);
   CHECK(at(Repeat::once, -1.0, 11.0) == 3.0);
   CHECK(at(Repeat::loop, -1.0, 15.0) == 3.0);
-  CHECK(at(Repeat::loop, 1.0, 10.0 + 4e8 + 1.5) == 1.5);  // a hundred million loops on: the remainder is exact
+  CHECK(at(Repeat::loop, 1.0, 10.0 + 4.0 * 123'456'789 + 1.5) == 1.5);  // 123,456,789 loops on: the remainder is exact
   CHECK(playback_time({.repeat = Repeat::loop}, 0.0, 5.0) == 0.0);
 }
 
@@ -131,6 +131,11 @@ TEST_CASE("an animation moves every source of its name, and no other", "[dragcor
   CHECK(moved[0].intensity == 2.0);
   CHECK(moved[1].placement.position == Vector3d::Zero());
   CHECK(moved[1].intensity == 1.0);
+  // The animation turns the source as it stands in the world, after its own rotation.
+  WindSource upright = breeze("trees");
+  upright.placement.rotation = Eigen::AngleAxisd(-pi / 2, Vector3d::UnitY()).toRotationMatrix();  // its x axis looks up
+  const WindController turned({upright}, {{.cues = {{.source = "trees", .animation = turn}}}});
+  CHECK((turned.sources_at(0.0)[0].placement.rotation.col(0) - Vector3d::UnitZ()).norm() < 1e-15);
   // The wind of "trees" now blows along y, twice as strong, where its fade is 1.
   CHECK((Wind({moved[0]}).velocity(Vector3d(1.0, 1.0, 0.0)) - Vector3d(0.0, 2.0, 0.0)).norm() < 1e-15);
 }

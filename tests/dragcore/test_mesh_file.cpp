@@ -72,6 +72,15 @@ TEST_CASE("a damaged mesh file is refused with its name and its fault", "[mesh][
   CHECK_THROWS_WITH(read_mesh(folder.path / "cut.stl"), Catch::Contains("truncated") && Catch::Contains("48 triangles"));
   const auto text = ascii_stl(triangulate(Box{}, 1));
   CHECK_THROWS_WITH(read_mesh(folder.write("cut_ascii.stl", text.substr(0, text.size() / 2))), Catch::Contains("cut_ascii.stl"));
+  std::string typo = text + ascii_stl(triangulate(Box{}, 12));
+  typo.replace(typo.find("facet normal"), 12, "fzcet nxrmal");
+  std::string message;
+  try {
+    read_mesh(folder.write("typo.stl", typo));
+  } catch (const std::exception& error) {
+    message = error.what();
+  }
+  CHECK(message.size() < 500);  // the importer quotes the rest of the file
   std::string poisoned = text;
   poisoned.replace(poisoned.find("vertex ") + 7, 4, "nan ");
   CHECK_THROWS_WITH(read_mesh(folder.write("nan.stl", poisoned)), Catch::Contains("nan.stl"));

@@ -135,4 +135,8 @@ TEST_CASE("mass properties and time steps out of range are refused", "[stepping]
   CHECK_THROWS_WITH((MassProperties{.mass = 0.0}.matrix()), Catch::Contains("mass = 0"));
   CHECK_THROWS_WITH((MassProperties{.mass = 1.0, .inertia = Eigen::Matrix3d::Zero()}.matrix()), Catch::Contains("positive definite"));
   CHECK_THROWS_WITH(step_secant_implicit(Matrix6d::Zero(), {}, {}, Vector6d::Zero(), -1.0), Catch::Contains("dt = -1"));
+  const Vector6d poisoned = Vector6d::Constant(std::nan(""));
+  CHECK_THROWS_WITH(step_secant_implicit(Matrix6d::Zero(), {}, {}, poisoned, 1.0), Catch::Contains("must be finite"));
+  CHECK_THROWS_WITH(step_scalar_implicit(Matrix6d::Zero(), {}, {}, poisoned, 1.0), Catch::Contains("must be finite"));
+  CHECK_THROWS_WITH(impulse_share({.force = poisoned.head<3>()}, {}, {}, 1.0), Catch::Contains("must be finite"));
 }

@@ -407,6 +407,12 @@ TEST_CASE("a body far smaller than the field needs one sample, a larger one the 
   const Wind edge({{.field = cell}});
   CHECK_THAT(edge.variation(Vector3d(2.0, 1.0, 4.0), 0.1, 1e-9).per_triangle, WithinAbs(3.0, 1e-12));
   CHECK(edge.variation(Vector3d(0.5, 1.0, 4.0), 0.1).constant < 1e-12);
+  // Clamped, it stops changing at its edge: there even a linear field is not affine. Along x from the upper face it falls short by the
+  // slope times the way.
+  const auto ramp =
+      grid_field(filled(random_grid({4, 3, 5}, Outside::clamp), [](const Vector3d& p) { return Vector3d(2.0 * p[0], 0, 0); }));
+  CHECK(Wind({{.field = ramp}}).variation(Vector3d(0.5, 1.0, 4.5), 0.3).affine < 1e-12);
+  CHECK(Wind({{.field = ramp}}).variation(Vector3d(2.0, 1.0, 4.5), 0.3).affine >= 2.0 * 0.3 * (1 - 1e-12));
   CHECK_THROWS_WITH(wind.variation(centre, -1.0), Contains("radius"));
   CHECK_THROWS_WITH(wind.variation(Vector3d(not_a_number, 0, 0), 1.0), Contains("centre"));
 }

@@ -4,7 +4,7 @@
 /* dragcore for C and for everything that can call C. SI units; body frame; docs/conventions.md.
  *
  * Functions return DRAGCORE_OK or an error; dragcore_last_error() then says, for the calling thread, what was found and what is needed.
- * A surface may be used by any number of threads at once. */
+ * A surface may be used by any number of threads at once. The library is C++ inside: link with the C++ runtime too (-lstdc++, or let a C++ linker do it). */
 
 #include <stddef.h>
 

@@ -7,6 +7,7 @@ namespace dragcore {
 
 /// Reads the triangles of an STL (ascii or binary) or OBJ file; polygons of OBJ are split. Equal vertices are joined. Part of dragcore::io.
 /// @param unit_m  size of the file's unit in metres: 0.001 for millimetres
+/// @throws std::invalid_argument  when unit_m is not greater than 0
 /// @throws std::runtime_error  missing, truncated or unreadable file, no triangle, a coordinate that is not finite: the message names the file and the fault
 TriangleMesh read_mesh(const std::filesystem::path& file, double unit_m = 1.0);
 

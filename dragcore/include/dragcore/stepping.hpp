@@ -6,6 +6,10 @@ namespace dragcore {
 
 // Drag grows with the square of speed, so that an explicit step of a light body overshoots or explodes (a sheet of paper of 80 g/m^2 from 16 m/s at 60 Hz). The
 // updates below never do, at any time step: relative to a uniform wind, kinetic energy never grows.
+//
+// That is a promise about the step, not about the model. The laws have no friction along a surface: under gravity a thin sheet that is edge-on to its
+// motion glides faster and faster in its own plane. Give a sheet a little thickness (its edges then feel pressure), a pillow, or a tangential force of
+// your own (measured on thin plates: 0.02 q A per side); docs/model.md, "Not modelled".
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;  ///< linear, then angular part
 using Matrix6d = Eigen::Matrix<double, 6, 6>;

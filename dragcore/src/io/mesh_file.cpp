@@ -66,7 +66,7 @@ TriangleMesh read_mesh(const std::filesystem::path& file, double unit_m) {
   // Positions and faces are all that is asked for; points and lines are dropped.
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_SortByPType);
-  if (!scene) fail(file, std::string("not readable: ") + importer.GetErrorString());
+  if (!scene) fail(file, "not readable: " + std::string(importer.GetErrorString()).substr(0, 200));  // it may quote the rest of the file
 
   TriangleMesh mesh;
   for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
