@@ -50,6 +50,7 @@ void add_cost(CLI::App& app, Context& context);
 void add_gate(CLI::App& app, Context& context);
 void add_baseline(CLI::App& app, Context& context);
 void add_report(CLI::App& app, Context& context);
+void add_mesh(CLI::App& app, Context& context);
 
 /// The drag model asked for on the command line: --law (with --scale and --base-suction), --pillow, --factor, --quadrature, --divisions.
 struct ModelOptions {

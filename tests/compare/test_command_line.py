@@ -26,6 +26,15 @@ with tempfile.TemporaryDirectory() as folder:
     assert "nothing changed" in run(*collect, code=0).stdout
     assert open("results/reference.h5", "rb").read() == before
 
+    # Mesh files: a sound one is described, a cut one is refused by name.
+    with open("box.obj", "w") as box:
+        box.write("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    assert "4 triangles, closed" in run("mesh", "box.obj", code=0).stdout
+    with open("cut.stl", "wb") as cut:
+        cut.write(bytes(80) + (12).to_bytes(4, "little") + bytes(100))
+    refused = run("mesh", "cut.stl", code=3).stderr
+    assert "cut.stl" in refused and "truncated" in refused and "12 triangles" in refused, refused
+
     table = run("compare", code=0)
     assert "plate, Re 100000, k_omega_sst" in table.stdout and "\x1b" not in table.stdout, table.stdout
     assert os.path.exists("results/comparison.h5")
