@@ -45,8 +45,8 @@ dragcore::Motion motion_of(const dragcore_motion& m) {
 }
 
 dragcore::Model model_of(const dragcore_model& m) {
-  if (m.quadrature != 1 && m.quadrature != 3 && m.quadrature != 6)
-    throw std::invalid_argument("quadrature = " + std::to_string(m.quadrature) + ", but it must be 1, 3 or 6");
+  if (m.quadrature != 0 && m.quadrature != 1 && m.quadrature != 3 && m.quadrature != 6)
+    throw std::invalid_argument("quadrature = " + std::to_string(m.quadrature) + ", but it must be 1, 3 or 6, or 0 for adaptive");
   if (m.pillow < DRAGCORE_PILLOW_NONE || m.pillow > DRAGCORE_PILLOW_TILT)
     throw std::invalid_argument("pillow = " + std::to_string(m.pillow) + ", but it must be one of enum dragcore_pillow, 0 to 3");
   dragcore::Model model;

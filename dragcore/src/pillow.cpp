@@ -111,17 +111,31 @@ std::string to_string(PillowForm form) {
     case PillowForm::triangle: return "triangle";
     case PillowForm::patch: return "patch";
     case PillowForm::tilt: return "tilt";
+    case PillowForm::eccentricity: return "eccentricity";
   }
   throw std::invalid_argument("not a pillow form");
 }
 
 PillowForm pillow_form_from(const std::string& word) {
-  for (const PillowForm form : {PillowForm::none, PillowForm::triangle, PillowForm::patch, PillowForm::tilt})
+  for (const PillowForm form : {PillowForm::none, PillowForm::triangle, PillowForm::patch, PillowForm::tilt, PillowForm::eccentricity})
     if (to_string(form) == word) return form;
-  throw std::invalid_argument("unknown pillow form '" + word + "'; known: none, triangle, patch, tilt");
+  throw std::invalid_argument("unknown pillow form '" + word + "'; known: none, triangle, patch, tilt, eccentricity");
 }
 
-Vector3d triangle_pillow_weights(double beta, double alpha) {
+std::string to_string(Falloff falloff) { return falloff == Falloff::linear ? "linear" : "circular"; }
+
+Falloff falloff_from(const std::string& word) {
+  for (const Falloff falloff : {Falloff::circular, Falloff::linear})
+    if (to_string(falloff) == word) return falloff;
+  throw std::invalid_argument("unknown falloff '" + word + "'; known: circular, linear");
+}
+
+Vector3d triangle_pillow_weights(double beta, double alpha, Falloff falloff) {
+  if (falloff == Falloff::linear) {
+    // Integral of 1 - alpha s times a barycentric coordinate: (1/3 - alpha (sum of s + its own s)/12) of the area.
+    const Vector3d s(0.0, beta, 1.0);
+    return (Vector3d::Constant(1.0 / 3.0) - alpha / 12.0 * (Vector3d::Constant(1.0 + beta) + s)) / (1.0 - alpha * (1.0 + beta) / 3.0);
+  }
   static const FalloffTable table;
   const FalloffIntegrals circular = table.at(std::clamp(beta, 0.0, 1.0));
   const double area = alpha * circular.d + (1.0 - alpha) / 2.0;
@@ -135,7 +149,7 @@ double faded_pillow_factor(double alpha, double c) {
   return alpha * x * x * (3.0 - 2.0 * x);
 }
 
-Vector3d triangle_pillow_shift(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& u, double alpha) {
+Vector3d triangle_pillow_shift(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& u, double alpha, Falloff falloff) {
   const Vector3d normal = (b - a).cross(c - a).normalized();
   const Vector3d tangential = u - normal * normal.dot(u);
   const double size = tangential.norm();
@@ -145,11 +159,21 @@ Vector3d triangle_pillow_shift(const Vector3d& a, const Vector3d& b, const Vecto
   std::sort(vertex.begin(), vertex.end(), [](const auto& left, const auto& right) { return left.first < right.first; });
   const double length = vertex[2].first - vertex[0].first;
   if (!(length > 0.0)) return Vector3d::Zero();
-  const Vector3d weights = triangle_pillow_weights((vertex[1].first - vertex[0].first) / length, alpha);
+  const Vector3d weights = triangle_pillow_weights((vertex[1].first - vertex[0].first) / length, alpha, falloff);
   return weights[0] * (vertex[0].second - centroid) + weights[1] * (vertex[1].second - centroid) + weights[2] * (vertex[2].second - centroid);
 }
 
-Vector3d patch_pillow_shift(const Patch& patch, const Vector3d& u, double alpha) {
+Vector3d eccentricity_pillow_shift(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& u, double alpha) {
+  const Vector3d normal = (b - a).cross(c - a).normalized();
+  const Vector3d tangential = u - normal * normal.dot(u);
+  if (!(tangential.norm() > 1e-14 * u.norm())) return Vector3d::Zero();
+  const Vector3d along = tangential.normalized(), across = normal.cross(along);
+  const double ab = (b - a).norm(), bc = (c - b).norm(), ca = (a - c).norm();
+  const Vector3d eccentricity = (bc * a + ca * b + ab * c) / (ab + bc + ca) - (a + b + c) / 3.0;
+  return along * along.dot(triangle_pillow_shift(a, b, c, u, alpha)) + across * across.dot(eccentricity);
+}
+
+Vector3d patch_pillow_shift(const Patch& patch, const Vector3d& u, double alpha, Falloff falloff) {
   const ChordFrame frame = chord_frame(patch, u);
   if (alpha == 0.0 || !(frame.chord > 0.0)) return Vector3d::Zero();
   const Vector3d across = patch.normal.cross(frame.along);
@@ -165,7 +189,7 @@ Vector3d patch_pillow_shift(const Patch& patch, const Vector3d& u, double alpha)
       const double x = gauss().point[i];
       const double y = y_from + (y_to - y_from) * x, s = 1.0 - y * y;
       const double h = h_from + (h_to - h_from) * x * (y_from + y) / (y_from + y_to);  // linear in s, without dividing by ds
-      const double f = alpha * y * std::sqrt(2.0 - y * y) + 1.0 - alpha;
+      const double f = alpha * (falloff == Falloff::linear ? y * y : y * std::sqrt(2.0 - y * y)) + 1.0 - alpha;
       const double minus_ds = gauss().weight[i] * 2.0 * y * (y_to - y_from);
       area += f * h * minus_ds;
       moment_s += f * s * h * minus_ds;

@@ -24,11 +24,34 @@ inline std::span<const QuadraturePoint> quadrature_rule(Quadrature order) {
     case Quadrature::one: return one;
     case Quadrature::three: return three;
     case Quadrature::six: return six;
+    case Quadrature::adaptive: break;
   }
   return three;
 }
 
-/// @throws std::invalid_argument as wrench() says
+/// Shares of the three rules in an adaptive one; their sum is 1.
+struct QuadratureShares {
+  double one, three, six;
+};
+
+/// @param variation  of the velocity between the centroid and the corners of a triangle, and `speed` at its centroid [m/s]
+inline QuadratureShares adaptive_shares(double variation, double speed) {
+  // Smooth step of `variation` from low * speed to high * speed: products, so that no speed divides by zero.
+  const auto rise = [&](double low, double high) {
+    const double x = variation - low * speed, range = (high - low) * speed;
+    if (!(x > 0.0)) return 0.0;
+    if (x >= range) return 1.0;
+    const double y = x / range;
+    return y * y * (3.0 - 2.0 * y);
+  };
+  const double three = rise(0.002, 0.004), six = rise(0.5, 1.0);
+  return {1.0 - three, three * (1.0 - six), three * six};
+}
+
+/// @throws std::invalid_argument as wrench() says; where the model does without checks, only the length of `triangle_wind` is looked at
+void check_input(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model);
 void check_input(const Motion& motion, const Medium& medium, const Model& model);
+/// @throws std::overflow_error  when a checked result is not finite
+void check_result(bool finite, const Model& model);
 
 }  // namespace dragcore

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "pressure_points.hpp"
+#include "local_forces.hpp"
 
 namespace dragcore {
 
@@ -23,10 +23,14 @@ void check_step(double dt, bool finite) {
   if (!(dt >= 0.0) || !std::isfinite(dt)) throw std::invalid_argument("step: dt = " + std::to_string(dt) + " s, but it must be finite and not negative");
 }
 
-double slope(const Law::Polynomial& polynomial, double c) {
-  double sum = 0.0;
-  for (std::size_t k = polynomial.size() - 1; k > 0; --k) sum = sum * c + static_cast<double>(k) * polynomial[k];
-  return sum;
+/// A local force as a generalised one, about the reference point.
+Vector6d generalised_force(const LocalForce& local) {
+  const Eigen::Vector3d force = local.force();
+  return generalised(force, local.place.cross(force));
+}
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& r) {
+  return (Eigen::Matrix3d() << 0.0, -r.z(), r.y(), r.z(), 0.0, -r.x(), -r.y(), r.x(), 0.0).finished();
 }
 
 }  // namespace
@@ -42,29 +46,68 @@ Matrix6d MassProperties::matrix() const {
 }
 
 Matrix6d resistance(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
-  check_input(motion, medium, model);
+  check_input(surface, motion, medium, model);
   Matrix6d s = Matrix6d::Zero();
-  for_each_pressure_point(surface, motion, medium, model, [&s](const PressurePoint& point) {
-    // Force = secant * (u.n) n: pressure over normal velocity, times the dyad of the point's unit wrench.
-    const Vector6d unit = generalised(point.normal, point.place.cross(point.normal));
-    s.selfadjointView<Eigen::Lower>().rankUpdate(unit, point.size() / (point.c * point.speed));
+  Vector6d taken = Vector6d::Zero(), given = Vector6d::Zero();
+  EnergyBalance balance;
+  const auto add = [&s](const LocalForce& local, const Eigen::Vector3d& direction, double factor) {
+    s.selfadjointView<Eigen::Lower>().rankUpdate(generalised(direction, local.place.cross(direction)), factor);
+  };
+  for_each_local_force(surface, motion, medium, model, [&](const LocalForce& local) {
+    balance.add(local);
+    if (local.coefficient.value < 0.0) {
+      given += generalised_force(local);
+      return;
+    }
+    taken += generalised_force(local);
+    const double factor = local.half_rho_area * local.speed * local.coefficient.value;
+    if (local.is_friction()) {  // factor * (tangential projector) * u
+      const Eigen::Vector3d tangent = local.normal.unitOrthogonal();
+      add(local, tangent, factor);
+      add(local, local.normal.cross(tangent), factor);
+    } else {  // pressure over normal velocity, times the dyad of the normal
+      add(local, local.normal, factor / local.c);
+    }
   });
   s.triangularView<Eigen::StrictlyUpper>() = s.transpose();
+  if (balance.has_gain()) {
+    // What pushes has no secant matrix of its own that is not negative. Broyden's update (BFGS) turns S into the nearest one that is positive and whose
+    // product with the relative velocity is the whole wrench: (total . velocity) is its power, which the energy balance keeps positive.
+    const Vector6d velocity = -relative(motion), total = taken + balance.gain_share() * given, before = s * velocity;
+    const double power = total.dot(velocity), power_before = before.dot(velocity);
+    if (power > 0.0 && power_before > 0.0) s += total * (total / power).transpose() - before * (before / power_before).transpose();
+  }
+  check_result(s.allFinite(), model);
   return s;
 }
 
 Matrix6d force_jacobian(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
-  check_input(motion, medium, model);
-  Matrix6d jacobian = Matrix6d::Zero();
-  for_each_pressure_point(surface, motion, medium, model, [&jacobian](const PressurePoint& point) {
-    // Size g = |u|^2 C(c), c = |u.n|/|u|: dg/du = (2 C - c C') u + |u| C' e, with e the unit vector along which |u.n| grows.
-    const double value = evaluate(*point.law, point.c), rate = slope(*point.law, point.c);
-    const Eigen::Vector3d outward = point.downstream();
-    const Eigen::Vector3d gradient = point.half_rho_area * ((2.0 * value - point.c * rate) * point.u + point.speed * rate * outward);
-    // du = -(dV + domega x place): gradient . du = -(gradient . dV + (place x gradient) . domega).
-    jacobian -= generalised(outward, point.place.cross(outward)) * generalised(gradient, point.place.cross(gradient)).transpose();
+  check_input(surface, motion, medium, model);
+  Matrix6d taken = Matrix6d::Zero(), given = taken;
+  EnergyBalance balance;
+  for_each_local_force(surface, motion, medium, model, [&](const LocalForce& local) {
+    balance.add(local);
+    const double value = local.coefficient.value, rate = local.coefficient.slope, c = local.c;
+    Eigen::Matrix3d by_velocity;  // d force / d u
+    if (local.is_friction()) {
+      const Eigen::Matrix3d projector = Eigen::Matrix3d::Identity() - local.normal * local.normal.transpose();
+      by_velocity = local.half_rho_area * value * (local.speed * projector + projector * local.u * local.u.transpose() / local.speed);
+    } else {
+      // Size g = |u|^2 C(c), c = |u.n|/|u|: dg/du = (2 C - c C') u + |u| C' e, with e the unit vector along which |u.n| grows.
+      const Eigen::Vector3d e = local.downstream();
+      by_velocity = local.half_rho_area * e * ((2.0 * value - c * rate) * local.u + local.speed * rate * e).transpose();
+    }
+    // du = -dV - domega x r = -dV + r x domega, and the torque is r x force.
+    const Eigen::Matrix3d arm = cross_matrix(local.place);
+    Matrix6d& sum = value < 0.0 ? given : taken;
+    sum.topLeftCorner<3, 3>() -= by_velocity;
+    sum.topRightCorner<3, 3>() += by_velocity * arm;
+    sum.bottomLeftCorner<3, 3>() -= arm * by_velocity;
+    sum.bottomRightCorner<3, 3>() += arm * by_velocity * arm;
   });
-  return jacobian;
+  if (balance.has_gain()) taken += balance.gain_share() * given;
+  check_result(taken.allFinite(), model);
+  return taken;
 }
 
 Vector6d step_secant_implicit(const Matrix6d& resistance, const MassProperties& body, const Motion& motion, const Vector6d& external, double dt) {

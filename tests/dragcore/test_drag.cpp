@@ -199,7 +199,7 @@ TEST_CASE("bad input is refused with the value found and the value needed", "[dr
   CHECK_THROWS_WITH(wrench(cube, {.wind = Vector3d(0, std::nan(""), 0)}, {}, {}), Catch::Contains("motion.wind"));
   CHECK_THROWS_WITH(wrench(cube, {}, {}, {.pillow = {PillowForm::patch, 1.2}}), Catch::Contains("1.2") && Catch::Contains("0 to 1"));
   CHECK_THROWS_WITH(wrench(cube, {.wind = Vector3d(1e200, 0, 0)}, {}, {}), Catch::Contains("1e100"));
-  CHECK_THROWS_WITH(wrench(cube, {}, {}, {.quadrature = static_cast<Quadrature>(2)}), Catch::Contains("2 points"));
+  CHECK_THROWS_WITH(wrench(cube, {}, {}, {.quadrature = static_cast<Quadrature>(2)}), Catch::Contains("= 2, but it must be 1, 3 or 6"));
   Model broken;
   broken.law.windward[2] = std::numeric_limits<double>::infinity();
   CHECK_THROWS_WITH(wrench(cube, {}, {}, broken), Catch::Contains("coefficient"));

@@ -1,18 +1,25 @@
 #pragma once
 
+#include <dragcore/effects.hpp>
 #include <dragcore/law.hpp>
 #include <dragcore/pillow.hpp>
 #include <dragcore/surface.hpp>
 #include <dragcore/wrench.hpp>
+#include <optional>
+#include <span>
 
 namespace dragcore {
 
 /// Rigid motion of a body and the air around it, all in the body frame.
 struct Motion {
-  Eigen::Vector3d wind = Eigen::Vector3d::Zero();              ///< velocity of the undisturbed air [m/s]
+  Eigen::Vector3d wind = Eigen::Vector3d::Zero();              ///< velocity of the undisturbed air at `reference_point` [m/s]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< of the body at `reference_point` [m/s]
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< [rad/s]
   Eigen::Vector3d reference_point = Eigen::Vector3d::Zero();   ///< where `velocity` holds and about which torque is taken; the centre of mass, say [m]
+  Eigen::Matrix3d wind_gradient = Eigen::Matrix3d::Zero();     ///< (i, j) = d wind_i / d x_j [1/s]
+  /// Wind at the centroid of every triangle of the surface, in its order, in place of `wind` and `wind_gradient`; not owned. Empty: not used [m/s].
+  /// body_wind.hpp fills these three from a wind field.
+  std::span<const Eigen::Vector3d> triangle_wind{};
 };
 
 struct Medium {
@@ -20,27 +27,64 @@ struct Medium {
 };
 
 /// Points per triangle where the local velocity is taken: the centroid; three inside, exact to degree 2; six, exact to degree 4.
-enum class Quadrature { one = 1, three = 3, six = 6 };
+/// `adaptive` takes one, three or six by how much the velocity varies over the triangle, (|omega| + |wind gradient|) r / |u|: one below 0.002, three from
+/// 0.004 to 0.5, six above 1, and a smooth blend between, so that no force jumps.
+enum class Quadrature { adaptive = 0, one = 1, three = 3, six = 6 };
 
 struct Model {
   Law law = note_law();
   Pillow pillow{};
   Quadrature quadrature = Quadrature::three;
+  Effects effects = Effects::all();
+  /// Refuses input and results that are not finite: about 20 ns a call. Without it such values pass through to the result, and nothing worse happens.
+  bool check = true;
 };
+
+/// Of what dissipating terms take, the share that terms pushing the body through the air may give back: eq. 13 of docs/model.md.
+inline constexpr double largest_gain = 0.95;
 
 /// Force and torque of the air on a rigid surface, by the local pressure law integrated over each triangle.
 ///
-///   u(r) = wind - V - omega x (r - r0),  w = -u.n,  c = |w|/|u|,  q = rho |u|^2/2
-///   dF = -n q W(c) dA  where w > 0,      dF = n q L(c) dA  where w < 0            (docs/model.md, eq. 1-3)
+///   u(r) = wind + G (r - r0) - V - omega x (r - r0),  w = -u.n,  c = |w|/|u|,  q = rho |u|^2/2
+///   dF = -n q W(c) dA  where w > 0,      dF = n q L(c) dA  where w < 0            (docs/model.md, eq. 1-3; further terms: Law, eq. 7-12)
 ///
 /// The pillow effect displaces each point by the shift of its triangle or patch before u is taken there, so that every point is still
-/// passive: in still air the power of a law with W, L >= 0 is never positive.
+/// passive: relative to the air, no motion and no law can gain energy. Terms of a law that push are scaled down together where they would.
+/// Stateless: a hypothetical motion may be tried at any time, and from any thread.
 ///
 /// @return        force [N], torque about `motion.reference_point` [N m], body frame, by term. Zero for an empty surface and where u = 0
-/// @throws std::invalid_argument  if density is negative, the pillow factor is out of range or anything is not finite: value found, value needed
+/// @throws std::invalid_argument  if density is negative, the pillow factor is out of range, the law is not valid, `triangle_wind` has not one entry per
+///                                triangle, or anything is not finite: value found, value needed (unless Model::check is off)
 /// @accuracy      within 1e-12 of reference::wrench (tests/dragcore/test_drag.cpp); one point per triangle is exact for motion without spin
 /// @source        [toskan2020] sec. 2 and 2.1; differs: leeward faces never feel windward pressure, spin by quadrature instead of a separate law
 WrenchByTerm wrench(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model);
+
+/// Force [N] of every triangle of a surface, and its torque about `motion.reference_point` [N m]; 3 x n, in the surface's order, body frame.
+struct TriangleForces {
+  Eigen::Matrix3Xd force, torque;
+};
+
+/// The parts whose sums are wrench(...).total() to rounding: for deforming bodies, for drawing, for finding where a load comes from.
+/// @throws std::invalid_argument  as wrench()
+TriangleForces triangle_forces(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model);
+
+/// The one line along which a force alone would do what a wrench does, but for a torque along it.
+struct LineOfAction {
+  Eigen::Vector3d point;      ///< of the line, nearest to the reference point [m]
+  Eigen::Vector3d direction;  ///< of the force, unit
+  double couple;              ///< torque along the direction that no force on the line can make [N m]
+};
+
+/// @param reference_point  about which `wrench.torque` is taken
+/// @return                 empty where there is no force
+std::optional<LineOfAction> line_of_action(const Wrench& wrench, const Eigen::Vector3d& reference_point);
+
+/// Centre of pressure: where the line of action pierces a plane of the body, the chord plane of a wing, say.
+/// @return  empty where the force lies within 3 degrees of the plane: the cut is then ill-conditioned
+std::optional<Eigen::Vector3d> centre_of_pressure(const LineOfAction& line, const Eigen::Vector3d& plane_point, const Eigen::Vector3d& plane_normal);
+
+/// law_for() the surface's class with the pillow that fits it best.
+Model model_for(const Surface& surface);
 
 namespace reference {
 

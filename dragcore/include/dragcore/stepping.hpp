@@ -7,9 +7,8 @@ namespace dragcore {
 // Drag grows with the square of speed, so that an explicit step of a light body overshoots or explodes (a sheet of paper of 80 g/m^2 from 16 m/s at 60 Hz). The
 // updates below never do, at any time step: relative to a uniform wind, kinetic energy never grows.
 //
-// That is a promise about the step, not about the model. The laws have no friction along a surface: under gravity a thin sheet that is edge-on to its
-// motion glides faster and faster in its own plane. Give a sheet a little thickness (its edges then feel pressure), a pillow, or a tangential force of
-// your own (measured on thin plates: 0.02 q A per side); docs/model.md, "Not modelled".
+// That is a promise about the step, not about the model. A law without friction lets a thin sheet that is edge-on to its motion glide faster and faster in
+// its own plane: take sheet_law() or closed_law().
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;  ///< linear, then angular part
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
@@ -23,10 +22,12 @@ struct MassProperties {
 };
 
 /// Secant matrix S of the drag at this motion: the wrench is exactly S (V_air - V), with V = (velocity, angular_velocity), V_air = (wind, 0).
-/// Symmetric and, for laws that are not negative, positive semidefinite. SI units of force over velocity.
+/// Symmetric and positive semidefinite, whatever the law: terms that push are worked in by a Broyden update (BFGS). SI units of force over velocity.
+/// In a wind that is not uniform S (V_air - V) is not the whole wrench: give the steps what is missing, wrench - S (V_air - V), as part of `external`.
 Matrix6d resistance(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model);
 
-/// Derivative of (force, torque) by (velocity, angular_velocity), for engines that step implicitly themselves. The pillow's displacement is held fixed.
+/// Derivative of (force, torque) by (velocity, angular_velocity), for engines that step implicitly themselves. The pillow's displacement,
+/// the body's descriptors and the share of pushing terms are held fixed.
 Matrix6d force_jacobian(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model);
 
 /// New (velocity, angular_velocity) after `dt` under drag and a constant external wrench (gravity, say), without the gyroscopic term.

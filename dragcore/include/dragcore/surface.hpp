@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <dragcore/law.hpp>
 #include <dragcore/mesh.hpp>
 #include <vector>
 
@@ -35,9 +36,18 @@ class Surface {
   Eigen::ArrayX3d centroid;  ///< [m]
   Eigen::ArrayX3d edge_ab, edge_ac;  ///< from the first vertex to the second and third [m]
   Eigen::ArrayXd area;       ///< [m^2]
+  /// Curvature tensor of the surroundings of every triangle, from the dihedral angles of its smooth edges (below 50 degrees): xx, xy, xz, yy, yz, zz,
+  /// positive where convex [1/m]. 1/R along any tangent of a ball, 0 along the generators of a cylinder and on flat faces.
+  Eigen::Array<double, Eigen::Dynamic, 6> curvature;
   std::vector<int> patch;    ///< index into `patches` of every triangle
   std::vector<Patch> patches;
   Sides sides = Sides::one;
+
+  double total_area = 0.0;  ///< of one side [m^2]
+  double volume = 0.0;      ///< 0 unless closed and one-sided [m^3]
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< centroid of the area [m]
+  double radius = 0.0;      ///< from `centre` to the farthest corner [m]
+  BodyClass body_class = BodyClass::sheet;  ///< as found; overwrite it where you know better: only law_for() reads it
 };
 
 }  // namespace dragcore

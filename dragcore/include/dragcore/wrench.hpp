@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <string>
 
 namespace dragcore {
 
@@ -18,7 +19,17 @@ struct Wrench {
 };
 
 /// What a part of the wrench is caused by.
-enum class Term { windward_pressure, leeward_suction, count };
+enum class Term {
+  windward_pressure,  ///< W, sheltered
+  leeward_suction,    ///< L
+  base_suction,       ///< B, felt on windward faces in the law's gauge
+  rear_recovery,      ///< on leeward faces: pushes upstream
+  curvature,          ///< suction on windward faces that curve along the flow
+  friction,
+  count
+};
+
+std::string to_string(Term term);
 
 /// A wrench split by cause, so that an error can be traced to its culprit.
 struct WrenchByTerm {
