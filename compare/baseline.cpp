@@ -41,12 +41,14 @@ bool same(const std::optional<double>& a, const std::optional<double>& b) {
 }  // namespace
 
 std::vector<NamedModel> gated_models() {
-  return {{"note", {}},
-          {"note, patch pillow 1", {dragcore::note_law(), {dragcore::PillowForm::patch, 1.0}, dragcore::Quadrature::three}},
-          {"note, tilt pillow 0.9", {dragcore::note_law(), {dragcore::PillowForm::tilt, 0.9}, dragcore::Quadrature::three}},
-          {"consistent, tilt pillow 0.9", {dragcore::consistent_law(), {dragcore::PillowForm::tilt, 0.9}, dragcore::Quadrature::three}},
-          {"scaled 0.89 suction 0.25, tilt pillow 1.36",
-           {dragcore::scaled_law(0.89, 0.25), {dragcore::PillowForm::tilt, 1.36}, dragcore::Quadrature::three}}};
+  using dragcore::Model;
+  using dragcore::PillowForm;
+  return {{"note", Model{}},
+          {"note, patch pillow 1", Model{.law = dragcore::note_law(), .pillow = {PillowForm::patch, 1.0}}},
+          {"note, tilt pillow 0.9", Model{.law = dragcore::note_law(), .pillow = {PillowForm::tilt, 0.9}}},
+          {"consistent, tilt pillow 0.9", Model{.law = dragcore::consistent_law(), .pillow = {PillowForm::tilt, 0.9}}},
+          {"scaled 0.89 suction 0.25, tilt pillow 1.36", Model{.law = dragcore::scaled_law(0.89, 0.25), .pillow = {PillowForm::tilt, 1.36}}},
+          {"by class, tilt pillow 0.86", ModelChoice::of_class(dragcore::class_pillow())}};
 }
 
 Baseline make_baseline(const std::vector<case_record::CaseRecord>& records, const std::string& reason, const Baseline& previous) {
@@ -56,7 +58,7 @@ Baseline make_baseline(const std::vector<case_record::CaseRecord>& records, cons
   baseline.history.push_back({today(), reason});
   baseline.case_budget = previous.history.empty() ? case_budget : previous.case_budget;
   for (const NamedModel& named : gated_models()) {
-    const ErrorTable table = compare_with(records, predictor(named.model), named.name);
+    const ErrorTable table = compare_with(records, predictor(named.choice), named.name);
     Baseline::Model& model = baseline.models[named.name];
     std::set<std::string> planned;
     for (const ErrorRow& row : table.rows) {

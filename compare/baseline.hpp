@@ -11,13 +11,7 @@
 
 namespace compare {
 
-/// A drag model under its name in baselines.
-struct NamedModel {
-  std::string name;
-  dragcore::Model model;
-};
-
-/// The models that a gate watches: the note's law, with its pillow by patch, and the consistent law with the tilt form.
+/// The models that a gate watches: the note's law, alone and with pillows, the consistent and the scaled law, and the laws by class.
 std::vector<NamedModel> gated_models();
 
 /// What was accepted, with whose reason: predictions and errors of the gated models, and by how much they may get worse.

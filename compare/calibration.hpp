@@ -26,7 +26,7 @@ struct FitErrors {
   double note = 0.0;      ///< the note's own constant (pillow factor 1; for C_D the same as `before`)
   double in_sample = 0.0;
   double left_out_pose = 0.0;   ///< each orientation predicted by a fit to all others
-  double left_out_shape = 0.0;  ///< each shape predicted by a fit to all others
+  double left_out_shape = 0.0;  ///< each shape predicted by a fit to all others; not a number when there is one shape only
 };
 
 /// One fit: what was adjusted to what, and how well that works on cases it has not seen.
@@ -43,6 +43,7 @@ struct Fit {
 
 struct Calibration {
   std::vector<Fit> fits;
+  std::optional<Fit> by_class_pillow{};  ///< the tilt form on the laws by class; its `model` is for pillow alone
   const Fit& fit(const std::string& name) const;  ///< @throws std::out_of_range
 };
 
@@ -50,6 +51,11 @@ struct Calibration {
 /// Uses usable cases of plates, cubes and cones at Re >= 1e4 that are not marked held_out; other shapes are never fitted.
 /// @throws std::invalid_argument when fewer than three cases qualify
 Calibration calibrate(const std::vector<case_record::CaseRecord>& records);
+
+/// Fits dragcore's laws by class, sheet_law() and closed_law(), to the force vector of all usable turbulent cases that are not held out; each case
+/// weighs by its relative error. Numbers of the laws that are not fitted keep their values. Takes a minute: every error estimate is a refit.
+/// @throws std::invalid_argument  with fewer than two cases per parameter
+Calibration calibrate_class_laws(const std::vector<case_record::CaseRecord>& records);
 
 /// Distance of the force's line of action from the centroid, over L_ref, signed like the moment that the pose drives.
 /// Empty where the force is below 1e-3 q A_ref.

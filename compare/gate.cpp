@@ -145,7 +145,7 @@ GateResult run_gate(const Baseline& baseline, const std::vector<CaseRecord>& rec
 }
 
 GateResult run_gate(const Baseline& baseline, const std::vector<CaseRecord>& records) {
-  return run_gate(baseline, records, [](const NamedModel& named) { return predictor(named.model); });
+  return run_gate(baseline, records, [](const NamedModel& named) { return predictor(named.choice); });
 }
 
 std::string render(const GateResult& result, bool colour) {

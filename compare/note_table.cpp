@@ -9,12 +9,12 @@
 
 namespace compare {
 
-std::vector<NoteRow> note_table(const std::vector<case_record::CaseRecord>& records, const std::vector<dragcore::Law>& laws) {
+std::vector<NoteRow> note_table(const std::vector<case_record::CaseRecord>& records, const std::vector<NamedModel>& models) {
   const std::vector<CaseFamily> families = case_families(records);
   std::vector<NoteRow> rows;
   for (const PublishedEntry& entry : published_entries()) {
     if (entry.note_label.empty()) continue;
-    NoteRow row{entry.note_label, entry.published.value, {}, 0.0, false, "", std::vector<std::optional<double>>(laws.size())};
+    NoteRow row{entry.note_label, entry.published.value, {}, 0.0, false, "", std::vector<std::optional<double>>(models.size())};
     for (const CaseFamily& family : families) {
       const case_record::CaseRecord& record = *family.record;
       if (!case_record::is_usable(record.status) || !entry.fits(record)) continue;
@@ -22,8 +22,8 @@ std::vector<NoteRow> note_table(const std::vector<case_record::CaseRecord>& reco
       row.cfd = *coefficients(record)[Channel::drag] / entry.area_factor;
       row.discretisation_assessed = family.uncertainty.discretisation_assessed;
       row.u = family.uncertainty.total[0] / coefficient_scales(record)[0] / entry.area_factor;
-      for (std::size_t k = 0; k < laws.size(); ++k) {
-        const dragcore::Wrench wrench = predict(record, {.law = laws[k]}).total();
+      for (std::size_t k = 0; k < models.size(); ++k) {
+        const dragcore::Wrench wrench = predict(record, models[k].choice).total();
         row.laws[k] = *coefficients(record, wrench.force, wrench.torque)[Channel::drag] / entry.area_factor;
       }
       break;
@@ -33,12 +33,12 @@ std::vector<NoteRow> note_table(const std::vector<case_record::CaseRecord>& reco
   return rows;
 }
 
-std::string render(const std::vector<NoteRow>& rows, const std::vector<dragcore::Law>& laws, Format format) {
+std::string render(const std::vector<NoteRow>& rows, const std::vector<NamedModel>& models, Format format) {
   if (format != Format::table && format != Format::markdown)
     throw std::invalid_argument("the note's table is rendered as table or md only");
   TextGrid grid;
   std::vector<std::string> heading = {"shape", "note's table", "OpenFOAM", "u"};
-  for (const dragcore::Law& law : laws) heading.push_back("law " + law.name);
+  for (const NamedModel& model : models) heading.push_back("law " + model.name);
   grid.add(heading);
   for (const NoteRow& row : rows) {
     std::vector<std::string> cells = {row.label, number_text(row.published, "{:.2f}"), row.cfd ? number_text(row.cfd) : "-",
@@ -49,14 +49,14 @@ std::string render(const std::vector<NoteRow>& rows, const std::vector<dragcore:
   return format == Format::table ? aligned(grid, false) : markdown(grid);
 }
 
-nlohmann::json to_json(const std::vector<NoteRow>& rows, const std::vector<dragcore::Law>& laws) {
+nlohmann::json to_json(const std::vector<NoteRow>& rows, const std::vector<NamedModel>& models) {
   nlohmann::json list = nlohmann::json::array();
   for (const NoteRow& row : rows) {
     nlohmann::json entry = {{"shape", row.label}, {"published", row.published}, {"cfd", nullptr},
                             {"u", nullptr},       {"case", row.case_name},      {"laws", nlohmann::json::object()}};
     if (row.cfd) entry["cfd"] = *row.cfd, entry["u"] = row.u;
-    for (std::size_t k = 0; k < laws.size(); ++k)
-      if (row.laws[k]) entry["laws"][laws[k].name] = *row.laws[k];
+    for (std::size_t k = 0; k < models.size(); ++k)
+      if (row.laws[k]) entry["laws"][models[k].name] = *row.laws[k];
     list.push_back(entry);
   }
   return list;

@@ -18,14 +18,14 @@ struct NoteRow {
   double u = 0.0;             ///< standard uncertainty of `cfd`, as far as assessed
   bool discretisation_assessed = false;  ///< false: `u` lacks the part of the mesh and is printed with a *
   std::string case_name;
-  std::vector<std::optional<double>> laws;  ///< in the order of the laws asked for
+  std::vector<std::optional<double>> laws;  ///< in the order of the models asked for
 };
 
-/// @param laws  whose C_D to add
-std::vector<NoteRow> note_table(const std::vector<case_record::CaseRecord>& records, const std::vector<dragcore::Law>& laws);
+/// @param models  whose C_D to add
+std::vector<NoteRow> note_table(const std::vector<case_record::CaseRecord>& records, const std::vector<NamedModel>& models);
 
 /// "table" and "md" forms. @throws std::invalid_argument for the others
-std::string render(const std::vector<NoteRow>& rows, const std::vector<dragcore::Law>& laws, Format format);
-nlohmann::json to_json(const std::vector<NoteRow>& rows, const std::vector<dragcore::Law>& laws);
+std::string render(const std::vector<NoteRow>& rows, const std::vector<NamedModel>& models, Format format);
+nlohmann::json to_json(const std::vector<NoteRow>& rows, const std::vector<NamedModel>& models);
 
 }  // namespace compare

@@ -30,18 +30,30 @@ const dragcore::Surface& prepared(const dragcore::Shape& shape, int divisions) {
 
 }  // namespace
 
-dragcore::WrenchByTerm predict(const case_record::CaseRecord& record, const dragcore::Model& model, int divisions) {
+ModelChoice ModelChoice::of_class(const dragcore::Pillow& pillow) {
+  ModelChoice choice(dragcore::Model{.pillow = pillow});
+  choice.by_class = true;
+  return choice;
+}
+
+dragcore::Model ModelChoice::on(const dragcore::Surface& surface) const {
+  dragcore::Model chosen = model;
+  if (by_class) chosen.law = dragcore::law_for(surface.body_class);
+  return chosen;
+}
+
+dragcore::WrenchByTerm predict(const case_record::CaseRecord& record, const ModelChoice& choice, int divisions) {
   const dragcore::Surface& surface = prepared(record.shape, divisions > 0 ? divisions : default_divisions(record.shape));
   const Eigen::Matrix3d to_wind = record.pose.rotation();
   dragcore::Motion motion;
   motion.wind = to_wind.transpose() * Eigen::Vector3d(record.speed, 0.0, 0.0);
-  dragcore::WrenchByTerm wrench = dragcore::wrench(surface, motion, {.density = record.density}, model);
+  dragcore::WrenchByTerm wrench = dragcore::wrench(surface, motion, {.density = record.density}, choice.on(surface));
   for (dragcore::Wrench& term : wrench.terms) term = {to_wind * term.force, to_wind * term.torque};
   return wrench;
 }
 
-Predictor predictor(const dragcore::Model& model, int divisions) {
-  return [model, divisions](const case_record::CaseRecord& record) { return predict(record, model, divisions).total(); };
+Predictor predictor(const ModelChoice& choice, int divisions) {
+  return [choice, divisions](const case_record::CaseRecord& record) { return predict(record, choice, divisions).total(); };
 }
 
 }  // namespace compare

@@ -26,18 +26,19 @@ void replace(std::string& page, const std::string& mark, const std::string& text
 }  // namespace
 
 std::string ReportedModel::label() const {
-  return pillow == "none" ? law : fmt::format("{}, {} pillow {:.2f}", law, pillow, model.pillow.factor);
+  return pillow == "none" ? law : fmt::format("{}, {} pillow {:.2f}", law, pillow, choice.model.pillow.factor);
 }
 
 Report make_report(Reference reference, const std::vector<std::string>& missing, bool quick_cost) {
   Report report{.reference = std::move(reference)};
   const std::vector<CaseRecord>& cases = report.reference.cases;
-  const auto add = [&](const dragcore::Model& model) {
-    report.models.push_back({law_label(model.law.name), to_string(model.pillow.form), model, {}});
+  const auto add = [&](const ModelChoice& choice) {
+    report.models.push_back({law_label(choice.by_class ? "by class" : choice.model.law.name), to_string(choice.model.pillow.form), choice, {}});
     ReportedModel& added = report.models.back();
-    added.table = compare_with(cases, predictor(model), added.label(), missing);
+    added.table = compare_with(cases, predictor(choice), added.label(), missing);
   };
-  for (const dragcore::Law& law : {dragcore::note_law(), dragcore::consistent_law()}) add({.law = law});
+  for (const dragcore::Law& law : {dragcore::note_law(), dragcore::consistent_law()}) add(dragcore::Model{.law = law});
+  add(ModelChoice::of_class());
   if (report.compared() == 0) return report;
   try {
     report.calibration = calibrate(cases);
@@ -48,6 +49,7 @@ Report make_report(Reference reference, const std::vector<std::string>& missing,
   for (const bool with_pillow : {false, true})
     for (const Fit& fit : report.calibration->fits)
       if ((fit.model.pillow.form != dragcore::PillowForm::none) == with_pillow) add(fit.model);
+  add(ModelChoice::of_class(dragcore::class_pillow()));
   report.cost = measure_cost(cases, *report.calibration, quick_cost);
   return report;
 }

@@ -16,9 +16,9 @@ namespace compare {
 
 /// A model as the report shows it, with its errors against the references.
 struct ReportedModel {
-  std::string law;     ///< "note's law", "consistent law", "calibrated law": decides the colour
+  std::string law;     ///< "note's law", "consistent law", "law by class", "calibrated law": decides the colour
   std::string pillow;  ///< "none", "triangle", "patch", "tilt": decides the dash of a line
-  dragcore::Model model;
+  ModelChoice choice;
   ErrorTable table;
 
   std::string label() const;  ///< "calibrated law, tilt pillow 0.78"

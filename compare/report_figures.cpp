@@ -55,7 +55,7 @@ json panel_axis(const std::string& title) {
 /// One scale for all figures; `names` are those that this one shows. Laws are lines, or rings where they are points.
 json series_colour(const std::vector<std::string>& names, const char* law_symbol = "stroke") {
   static const std::map<std::string, std::string> colours = {{"note's law", "#0072b2"},     {"consistent law", "#e69f00"},
-                                                             {"calibrated law", "#009e73"}, {openfoam, "#000000"},
+                                                             {"calibrated law", "#009e73"}, {"law by class", "#cc79a7"}, {openfoam, "#000000"},
                                                              {openfoam_point, "#000000"},   {published, "#d55e00"}};
   json range = json::array();
   for (const std::string& name : names) range.push_back(colours.at(name));
@@ -111,7 +111,7 @@ json sweep_panel(const Report& report, const Sweep& sweep, Channel channel, cons
   for (const ReportedModel& model : report.models) {
     // The form per triangle depends on the triangulation: a curve of it would be one of the mesh. It has its rows in the tables.
     if (model.pillow == "triangle" || (!with_pillow && model.pillow != "none")) continue;
-    const auto curve = coefficients_along(sweep, model.model, angles);
+    const auto curve = coefficients_along(sweep, model.choice, angles);
     for (std::size_t i = 0; i < angles.size(); ++i)
       if (const auto value = curve[i][channel])
         lines.push_back({{"angle", angles[i]}, {"value", *value}, {"series", model.law}, {"pillow", model.pillow}});
@@ -192,10 +192,10 @@ json face_pressure_figure(const Report& report, const std::vector<Sweep>& list) 
   constexpr double edge = 0.1;  // of A_ref: smaller faces are the edges of plates, which live in the wake of their neighbours
   json lines = json::array(), points = json::array(), shapes = json::array();
   for (const ReportedModel& model : report.models) {
-    if (model.pillow != "none") continue;
+    if (model.pillow != "none" || model.choice.by_class) continue;  // by class is no curve of c alone
     for (int i = -50; i <= 50; ++i) {
       const double c = i / 50.0;
-      const double pressure = c > 0 ? dragcore::evaluate(model.model.law.windward, c) : -dragcore::evaluate(model.model.law.leeward, -c);
+      const double pressure = c > 0 ? dragcore::evaluate(model.choice.model.law.windward, c) : -dragcore::evaluate(model.choice.model.law.leeward, -c);
       lines.push_back({{"c", c}, {"pressure", pressure}, {"series", model.law}});
     }
   }

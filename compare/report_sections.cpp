@@ -7,6 +7,7 @@
 #include <ctime>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <set>
 
@@ -90,7 +91,7 @@ void add_model_heads(Table& table, const std::vector<const ReportedModel*>& mode
     if (model->pillow == "none") table.head[0].push_back({escape(model->law), "group", 0});
     ++table.head[0].back().columns;
     table.head[1].push_back(
-        {model->pillow == "none" ? "no pillow" : fmt::format("{} {:.2f}", model->pillow, model->model.pillow.factor), "tight"});
+        {model->pillow == "none" ? "no pillow" : fmt::format("{} {:.2f}", model->pillow, model->choice.model.pillow.factor), "tight"});
   }
 }
 
@@ -101,8 +102,17 @@ std::vector<const ReportedModel*> laws_of(const Report& report) {
   return list;
 }
 
-/// The law that the verdict is about besides the note's: the calibrated one where there is one.
-const ReportedModel& best_law(const Report& report) { return *laws_of(report).back(); }
+bool turbulent(const ErrorRow& row) { return row.reynolds >= 1e4; }
+
+/// The law that the verdict is about besides the note's: the one with the smallest error of C_D.
+const ReportedModel& best_law(const Report& report) {
+  const auto laws = laws_of(report);
+  const auto error = [](const ReportedModel* law) {
+    const auto statistics = summary(*law, Channel::drag, turbulent);
+    return statistics ? statistics->rms : std::numeric_limits<double>::infinity();
+  };
+  return **std::min_element(laws.begin(), laws.end(), [&](const ReportedModel* a, const ReportedModel* b) { return error(a) < error(b); });
+}
 
 std::string worst_text(const Report& report, const ErrorSummary& statistics) {
   for (const ErrorRow& row : report.models.front().table.rows)
@@ -117,8 +127,6 @@ std::string worst_text(const Report& report, const ErrorSummary& statistics) {
 }
 
 // --- 1. Verdict ------------------------------------------------------------------------------------------------------------------------
-
-bool turbulent(const ErrorRow& row) { return row.reynolds >= 1e4; }
 
 std::string verdict_sentence(const Report& report, const ReportedModel& model, bool held_out) {
   const auto statistics = summary(model, Channel::drag, [&](const ErrorRow& row) { return turbulent(row) && row.held_out == held_out; });
@@ -215,7 +223,7 @@ std::string verdict_section(const Report& report, const std::vector<Sweep>& list
 // --- 2. The note's own table -----------------------------------------------------------------------------------------------------------
 
 /// C_D on the frontal area of a body of the note's table that has no reference: a law needs its shape and pose alone.
-double drag_of_note_body(const std::string& label, const dragcore::Law& law) {
+double drag_of_note_body(const std::string& label, const ModelChoice& choice) {
   const auto& entries = published_entries();
   const auto entry =
       std::find_if(entries.begin(), entries.end(), [&](const PublishedEntry& candidate) { return candidate.note_label == label; });
@@ -223,7 +231,7 @@ double drag_of_note_body(const std::string& label, const dragcore::Law& law) {
   CaseRecord body;
   body.shape = dragcore::make_shape(entry->shape, {});
   body.pose = {.incidence = middle(entry->incidence_deg), .yaw = middle(entry->yaw_deg)};
-  return predict(body, {.law = law}).total().force.x() / (coefficient_scales(body)[0] * entry->area_factor);
+  return predict(body, choice).total().force.x() / (coefficient_scales(body)[0] * entry->area_factor);
 }
 
 std::string note_section(const Report& report) {
@@ -238,8 +246,8 @@ std::string note_section(const Report& report) {
     for (const char* name : {"<i>C</i><sub>D</sub>", "error"}) table.head[1].push_back({name});
   }
   const auto& rows = report.models.front().table.rows;
-  std::vector<dragcore::Law> asked;
-  for (const ReportedModel* law : laws) asked.push_back(law->model.law);
+  std::vector<NamedModel> asked;
+  for (const ReportedModel* law : laws) asked.push_back({law->law, law->choice});
   for (NoteRow& row : note_table(report.reference.cases, asked)) {
     const auto found = std::find_if(rows.begin(), rows.end(), [&](const ErrorRow& other) { return other.case_name == row.case_name; });
     const bool assessed = found != rows.end() && found->discretisation_assessed;
@@ -248,7 +256,7 @@ std::string note_section(const Report& report) {
                                {row.cfd ? with_uncertainty(*row.cfd, row.u, assessed, 3) : "no usable case", row.cfd ? "" : "faint"}};
     const double reference = row.cfd.value_or(row.published);
     for (std::size_t k = 0; k < laws.size(); ++k) {
-      const double value = row.laws[k] ? *row.laws[k] : drag_of_note_body(row.label, asked[k]);
+      const double value = row.laws[k] ? *row.laws[k] : drag_of_note_body(row.label, asked[k].choice);
       const std::string error = number(100.0 * (value - reference) / reference, 0, true) + "\u2009%";
       cells.push_back({number(value, 3)});
       cells.push_back({row.cfd ? error : "(" + error + ")", row.cfd ? "" : "faint"});
@@ -267,8 +275,9 @@ std::string figures_section(const Report& report, const std::vector<Sweep>& list
       "moment alone. Coefficients, frames and signs: docs/conventions.md.</p>\n<p class=\"small\">Pressure coefficient of the laws on "
       "windward faces: ";
   for (const ReportedModel* law : laws_of(report))
-    text += fmt::format("{} {}, leeward suction {}; ", escape(law->law), polynomial_text(law->model.law.windward),
-                        polynomial_text(law->model.law.leeward));
+    if (!law->choice.by_class)
+      text += fmt::format("{} {}, leeward suction {}; ", escape(law->law), polynomial_text(law->choice.model.law.windward),
+                          polynomial_text(law->choice.model.law.leeward));
   text.resize(text.size() - 2);
   text += ".</p>\n";
   for (const Sweep& sweep : list) {

@@ -19,7 +19,7 @@ constexpr double deg = std::numbers::pi / 180.0;
 }  // namespace
 
 std::string law_label(const std::string& law_name) {
-  return law_name == "note" ? "note's law" : law_name == "scaled" ? "calibrated law" : law_name + " law";
+  return law_name == "note" ? "note's law" : law_name == "scaled" ? "calibrated law" : law_name == "by class" ? "law by class" : law_name + " law";
 }
 
 std::string reynolds_text(double reynolds) {
@@ -82,12 +82,12 @@ std::vector<Sweep> sweeps(const Report& report) {
   return list;
 }
 
-std::vector<Coefficients> coefficients_along(const Sweep& sweep, const dragcore::Model& model, const std::vector<double>& angles_deg) {
+std::vector<Coefficients> coefficients_along(const Sweep& sweep, const ModelChoice& choice, const std::vector<double>& angles_deg) {
   CaseRecord record = *sweep.cases.front();
   std::vector<Coefficients> curve;
   for (const double angle : angles_deg) {
     (sweep.angle == "yaw" ? record.pose.yaw : sweep.angle == "roll" ? record.pose.roll : record.pose.incidence) = angle * deg;
-    const dragcore::Wrench wrench = predict(record, model).total();
+    const dragcore::Wrench wrench = predict(record, choice).total();
     curve.push_back(coefficients(record, wrench.force, wrench.torque));
   }
   return curve;

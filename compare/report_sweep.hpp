@@ -32,7 +32,7 @@ std::string law_label(const std::string& law_name);
 std::string reynolds_text(double reynolds);
 
 /// C_D, C_L, ... of a model at these angles [deg] of the sweep.
-std::vector<Coefficients> coefficients_along(const Sweep& sweep, const dragcore::Model& model, const std::vector<double>& angles_deg);
+std::vector<Coefficients> coefficients_along(const Sweep& sweep, const ModelChoice& choice, const std::vector<double>& angles_deg);
 
 /// Rows of a model's table that belong to the sweep, one per case, in order of orientation.
 std::vector<const ErrorRow*> rows_of(const ErrorTable& table, const Sweep& sweep, Channel channel);

@@ -3,6 +3,8 @@
 #include "compare/calibration.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cmath>
+#include <dragcore/law_file.hpp>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -29,26 +31,53 @@ nlohmann::json to_json(const compare::Calibration& calibration) {
                                      {"note", e.note},
                                      {"in_sample", e.in_sample},
                                      {"left_out_pose", e.left_out_pose},
-                                     {"left_out_shape", e.left_out_shape}});
+                                     {"left_out_shape", std::isnan(e.left_out_shape) ? nlohmann::json() : nlohmann::json(e.left_out_shape)}});
     list.push_back(entry);
   }
   return list;
 }
 
 void print(const compare::Calibration& calibration) {
-  for (const compare::Fit& fit : calibration.fits) {
+  std::vector<compare::Fit> fits = calibration.fits;
+  if (calibration.by_class_pillow) fits.push_back(*calibration.by_class_pillow);
+  for (const compare::Fit& fit : fits) {
     fmt::print("{}, fitted to {} of {} cases\n", fit.name, fit.target, fit.cases.size());
     for (const compare::Estimate& e : fit.estimates)
       fmt::print("  {:<14} {:7.4f}   {}\n", e.name, e.value,
                  e.interval ? fmt::format("95 % interval {:.4f} to {:.4f}", e.interval->first, e.interval->second) : "at its bound: no interval");
-    if (fit.estimates.size() > 1) fmt::print("  correlation {:.2f}, condition number {:.1f}\n", fit.correlation[0][1], fit.condition_number);
+    if (fit.estimates.size() == 2) fmt::print("  correlation {:.2f}, condition number {:.1f}\n", fit.correlation[0][1], fit.condition_number);
+    if (fit.estimates.size() > 2) {
+      fmt::print("  condition number {:.1f}; correlations\n", fit.condition_number);
+      for (std::size_t i = 1; i < fit.estimates.size(); ++i) {
+        fmt::print("  {:<14}", fit.estimates[i].name);
+        for (std::size_t j = 0; j < i; ++j) fmt::print(" {:6.2f}", fit.correlation[i][j]);
+        fmt::print("\n");
+      }
+    }
     fmt::print("  rms error of {:<11}   n   uncalibrated  note's own  fitted  left-out pose  left-out shape\n", fit.target);
     for (const compare::FitErrors& e : fit.errors)
-      fmt::print("  {:<24} {:3}   {:12.4f} {:11.4f} {:7.4f} {:14.4f} {:15.4f}\n", e.group, e.n, e.before, e.note, e.in_sample, e.left_out_pose, e.left_out_shape);
+      fmt::print("  {:<24} {:3}   {:12.4f} {:11.4f} {:7.4f} {:14.4f} {:>15}\n", e.group, e.n, e.before, e.note, e.in_sample, e.left_out_pose,
+                 std::isnan(e.left_out_shape) ? "-" : fmt::format("{:.4f}", e.left_out_shape));
     fmt::print("\n");
   }
+}
+
+void print_legend() {
   fmt::print("Uncalibrated: pillow factor 0, or the note's law as it is. Note's own: pillow factor 1. Force arm: distance of the force's line of action\n"
              "from the centroid, in L_ref; it is what the pillow moves, free of the error of the force. Intervals: bootstrap over cases.\n");
+}
+
+std::map<std::string, std::string> provenance(const compare::Fit& fit) {
+  const compare::FitErrors& all = fit.errors.front();
+  std::string intervals;
+  for (const compare::Estimate& e : fit.estimates)
+    intervals += fmt::format("{}{} {}", intervals.empty() ? "" : ", ", e.name, e.interval ? fmt::format("{:.3f} to {:.3f}", e.interval->first, e.interval->second) : "at its bound");
+  return {{"fitted_to", fmt::format("force vectors of {} cases of results/reference.h5, k-omega SST at Re 1e5; held-out bodies are not among them", fit.cases.size())},
+          {"command", "dragval calibrate --class-laws --write dragcore/laws"},
+          {"intervals_95", intervals},
+          {"errors", "rms relative error of the force: " + fmt::format("fitted {:.3f}, left-out pose {:.3f}, left-out shape {}; the {} law {:.3f}", all.in_sample, all.left_out_pose,
+                                                          std::isnan(all.left_out_shape) ? "not known: one shape" : fmt::format("{:.3f}", all.left_out_shape), fit.model.law.name == "sheet" ? "consistent" : "note's", all.note)},
+          {"validity", fit.model.law.name == "sheet" ? "thin plates and discs; Re >= 1e4" : "closed convex bodies; Re >= 1e4"}};
 }
 
 }  // namespace
@@ -56,19 +85,32 @@ void print(const compare::Calibration& calibration) {
 void add_calibrate(CLI::App& app, Context&) {
   struct Options {
     SourceOptions source;
-    bool json = false;
+    bool json = false, class_laws = false;
+    std::string write;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("calibrate", "Fit scale, base suction and the factor of each pillow form to the references");
   command->footer("Example: dragval calibrate --store results/reference.h5");
   add_source_options(*command, options->source);
   command->add_flag("--json", options->json, "Print JSON");
+  command->add_flag("--class-laws", options->class_laws, "Fit the laws by class, sheet and closed, to the force vector instead (a minute)");
+  command->add_option("--write", options->write, "With --class-laws: folder for sheet.toml and closed.toml with what was found");
   command->callback([options] {
-    const compare::Calibration calibration = compare::calibrate(load(options->source).reference.cases);
-    if (options->json)
+    if (!options->write.empty() && !options->class_laws) throw UsageError("--write belongs to --class-laws");
+    const auto cases = load(options->source).reference.cases;
+    const compare::Calibration calibration = options->class_laws ? compare::calibrate_class_laws(cases) : compare::calibrate(cases);
+    if (options->json) {
       std::cout << to_json(calibration).dump(2) << "\n";
-    else
+    } else {
       print(calibration);
+      options->class_laws ? fmt::print("Force vector: length of the error over the larger of the force and 0.3 q A_ref; uncalibrated and the note's own: the note's law for closed bodies,\nthe consistent law for sheets.\n") : print_legend();
+    }
+    if (options->write.empty()) return;
+    for (const compare::Fit& fit : calibration.fits) {
+      const auto file = std::filesystem::path(options->write) / (fit.model.law.name + ".toml");
+      dragcore::write_law(file, {fit.model.law, provenance(fit)});
+      std::cerr << file.string() << "\n";
+    }
   });
 }
 

@@ -4,7 +4,7 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
+#include <map>
 
 #include "cfd_cases/matrix.hpp"
 #include "compare/cli/commands.hpp"
@@ -28,9 +28,11 @@ void add_collect(CLI::App& app, Context& context) {
   command->callback([options, &context] {
     std::vector<compare::CaseRecord> runs = compare::read_runs(std::filesystem::path(options->cache) / "runs");
     if (!options->matrix.empty()) {
-      std::set<std::string> wanted;
-      for (const cfd_cases::CaseSpec& spec : cfd_cases::load_matrix(options->matrix).cases) wanted.insert(spec.name);
-      std::erase_if(runs, [&](const compare::CaseRecord& run) { return !wanted.contains(run.name); });
+      // The matrix as it is now says what is held out of fits, whatever it said when a case was solved.
+      std::map<std::string, bool> held_out;
+      for (const cfd_cases::CaseSpec& spec : cfd_cases::load_matrix(options->matrix).cases) held_out[spec.name] = spec.held_out;
+      std::erase_if(runs, [&](const compare::CaseRecord& run) { return !held_out.contains(run.name); });
+      for (compare::CaseRecord& run : runs) run.held_out = held_out.at(run.name);
     }
     if (runs.empty()) {
       std::cerr << "dragval: no runs in " << options->cache << "/runs to collect; solve them first: dragval run quick\n";

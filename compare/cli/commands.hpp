@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "compare/prediction.hpp"
 #include "compare/store.hpp"
 
 namespace CLI {
@@ -56,12 +57,12 @@ void add_mesh(CLI::App& app, Context& context);
 struct ModelOptions {
   std::string law = "note";
   double scale = 1.0, base_suction = 0.0;  ///< of --law scaled
-  std::string pillow = "none";
+  std::string pillow = "none", falloff = "circular";
   double factor = 0.0;
   int quadrature = 3;
   int divisions = 0;  ///< 0: default_divisions() of the shape
 
-  dragcore::Model model() const;  ///< @throws std::invalid_argument naming the known laws and forms
+  compare::ModelChoice model() const;  ///< @throws std::invalid_argument naming the known laws and forms
   std::string label() const;      ///< "note", "consistent, pillow tilt 0.78": for headings and files
 };
 void add_model_options(CLI::App& command, ModelOptions& options);

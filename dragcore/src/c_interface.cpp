@@ -40,34 +40,119 @@ void require(const void* pointer, const char* name) {
 
 Eigen::Vector3d vector(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
 
+using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+using RowMajor6d = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
+
 dragcore::Motion motion_of(const dragcore_motion& m) {
-  return {vector(m.wind), vector(m.velocity), vector(m.angular_velocity), vector(m.reference_point)};
+  return {vector(m.wind), vector(m.velocity), vector(m.angular_velocity), vector(m.reference_point), Eigen::Map<const RowMajor3d>(m.wind_gradient), {}};
+}
+
+dragcore::Law law_of(const dragcore_law& l) {
+  dragcore::Law law{.name = "given"};
+  std::copy(l.windward, l.windward + 5, law.windward.begin());
+  std::copy(l.leeward, l.leeward + 5, law.leeward.begin());
+  law.friction = l.friction;
+  law.base_suction = l.base_suction, law.base_edge = l.base_edge;
+  law.aspect_gain = l.aspect_gain, law.aspect_scale = l.aspect_scale;
+  law.recovery = l.recovery, law.recovery_depth = l.recovery_depth, law.recovery_edge = l.recovery_edge;
+  law.shelter = l.shelter;
+  law.curvature = l.curvature;
+  return law;
+}
+
+dragcore_law law_from(const dragcore::Law& law) {
+  dragcore_law l{};
+  std::copy(law.windward.begin(), law.windward.end(), l.windward);
+  std::copy(law.leeward.begin(), law.leeward.end(), l.leeward);
+  l.friction = law.friction;
+  l.base_suction = law.base_suction, l.base_edge = law.base_edge;
+  l.aspect_gain = law.aspect_gain, l.aspect_scale = law.aspect_scale;
+  l.recovery = law.recovery, l.recovery_depth = law.recovery_depth, l.recovery_edge = law.recovery_edge;
+  l.shelter = law.shelter;
+  l.curvature = law.curvature;
+  return l;
 }
 
 dragcore::Model model_of(const dragcore_model& m) {
   if (m.quadrature != 0 && m.quadrature != 1 && m.quadrature != 3 && m.quadrature != 6)
     throw std::invalid_argument("quadrature = " + std::to_string(m.quadrature) + ", but it must be 1, 3 or 6, or 0 for adaptive");
-  if (m.pillow < DRAGCORE_PILLOW_NONE || m.pillow > DRAGCORE_PILLOW_TILT)
-    throw std::invalid_argument("pillow = " + std::to_string(m.pillow) + ", but it must be one of enum dragcore_pillow, 0 to 3");
-  dragcore::Model model;
-  model.law.name = "given";
-  std::copy(m.windward, m.windward + 5, model.law.windward.begin());
-  std::copy(m.leeward, m.leeward + 5, model.law.leeward.begin());
-  model.pillow = {static_cast<dragcore::PillowForm>(m.pillow), m.pillow_factor};
-  model.quadrature = static_cast<dragcore::Quadrature>(m.quadrature);
+  if (m.pillow < DRAGCORE_PILLOW_NONE || m.pillow > DRAGCORE_PILLOW_ECCENTRICITY)
+    throw std::invalid_argument("pillow = " + std::to_string(m.pillow) + ", but it must be one of enum dragcore_pillow, 0 to 4");
+  if (m.falloff != DRAGCORE_FALLOFF_CIRCULAR && m.falloff != DRAGCORE_FALLOFF_LINEAR)
+    throw std::invalid_argument("falloff = " + std::to_string(m.falloff) + ", but it must be one of enum dragcore_falloff, 0 or 1");
+  if (m.effects > DRAGCORE_ALL_EFFECTS)
+    throw std::invalid_argument("effects = " + std::to_string(m.effects) + ", but it must be DRAGCORE_ALL_EFFECTS or some of its bits");
+  dragcore::Model model{.law = law_of(m.law),
+                        .pillow = {static_cast<dragcore::PillowForm>(m.pillow), m.pillow_factor, static_cast<dragcore::Falloff>(m.falloff)},
+                        .quadrature = static_cast<dragcore::Quadrature>(m.quadrature),
+                        .effects = {}};
+  for (unsigned bit = 1; bit < DRAGCORE_ALL_EFFECTS; bit <<= 1)
+    if (m.effects & bit) model.effects = model.effects | static_cast<dragcore::Effect>(bit);
   return model;
+}
+
+dragcore_model model_from(const dragcore::Model& model) {
+  return {law_from(model.law),
+          static_cast<dragcore_pillow>(model.pillow.form),
+          model.pillow.factor,
+          static_cast<dragcore_falloff>(model.pillow.falloff),
+          static_cast<int>(model.quadrature),
+          model.effects.bits()};
+}
+
+dragcore::Wrench wrench_of(const dragcore_wrench& w) { return {vector(w.force), vector(w.torque)}; }
+
+dragcore::MassProperties body_of(const dragcore_body& b) { return {b.mass, Eigen::Map<const RowMajor3d>(b.inertia)}; }
+
+using Step = dragcore::Vector6d (*)(const dragcore::Matrix6d&, const dragcore::MassProperties&, const dragcore::Motion&, const dragcore::Vector6d&, double);
+
+dragcore_status step(Step step_function, const double* matrix, const dragcore_body* body, const dragcore_motion* motion, const dragcore_wrench* external, double dt,
+                     double* velocity, double* angular_velocity) {
+  return guarded([&] {
+    require(matrix, "matrix");
+    require(body, "body");
+    require(motion, "motion");
+    require(external, "external");
+    require(velocity, "velocity");
+    require(angular_velocity, "angular_velocity");
+    dragcore::Vector6d wrench;
+    wrench << vector(external->force), vector(external->torque);
+    const dragcore::Vector6d moved = step_function(Eigen::Map<const RowMajor6d>(matrix), body_of(*body), motion_of(*motion), wrench, dt);
+    std::copy(moved.data(), moved.data() + 3, velocity);
+    std::copy(moved.data() + 3, moved.data() + 6, angular_velocity);
+  });
 }
 
 }  // namespace
 
 extern "C" {
 
-dragcore_model dragcore_note_model(void) {
-  dragcore_model model{};
-  const dragcore::Law law = dragcore::note_law();
-  std::copy(law.windward.begin(), law.windward.end(), model.windward);
-  model.quadrature = 3;
-  return model;
+static_assert(DRAGCORE_ALL_EFFECTS == dragcore::Effects::all().bits());
+
+dragcore_model dragcore_note_model(void) { return model_from({}); }
+
+dragcore_status dragcore_named_law(const char* name, dragcore_law* law) {
+  return guarded([&] {
+    require(name, "name");
+    require(law, "law");
+    *law = law_from(dragcore::named_law(name));
+  });
+}
+
+dragcore_status dragcore_model_for(const dragcore_surface* surface, dragcore_model* model) {
+  return guarded([&] {
+    require(surface, "surface");
+    require(model, "model");
+    *model = model_from(dragcore::model_for(surface->surface));
+  });
+}
+
+dragcore_status dragcore_surface_class(const dragcore_surface* surface, dragcore_body_class* body_class) {
+  return guarded([&] {
+    require(surface, "surface");
+    require(body_class, "body_class");
+    *body_class = static_cast<dragcore_body_class>(surface->surface.body_class);
+  });
 }
 
 dragcore_status dragcore_surface_create(const double* vertices, size_t vertex_count, const int* triangles, size_t triangle_count, int two_sided,
@@ -108,6 +193,37 @@ dragcore_status dragcore_resistance(const dragcore_surface* surface, const dragc
     require(matrix, "matrix");
     const dragcore::Matrix6d s = dragcore::resistance(surface->surface, motion_of(*motion), {.density = density}, model_of(*model));
     std::copy(s.data(), s.data() + 36, matrix);  // symmetric: rows are columns
+  });
+}
+
+dragcore_status dragcore_force_jacobian(const dragcore_surface* surface, const dragcore_motion* motion, double density, const dragcore_model* model,
+                                        double matrix[36]) {
+  return guarded([&] {
+    require(surface, "surface");
+    require(motion, "motion");
+    require(model, "model");
+    require(matrix, "matrix");
+    Eigen::Map<RowMajor6d>{matrix} = dragcore::force_jacobian(surface->surface, motion_of(*motion), {.density = density}, model_of(*model));
+  });
+}
+
+dragcore_status dragcore_step_secant_implicit(const double matrix[36], const dragcore_body* body, const dragcore_motion* motion, const dragcore_wrench* external,
+                                              double dt, double velocity[3], double angular_velocity[3]) {
+  return step(dragcore::step_secant_implicit, matrix, body, motion, external, dt, velocity, angular_velocity);
+}
+
+dragcore_status dragcore_step_scalar_implicit(const double matrix[36], const dragcore_body* body, const dragcore_motion* motion, const dragcore_wrench* external,
+                                              double dt, double velocity[3], double angular_velocity[3]) {
+  return step(dragcore::step_scalar_implicit, matrix, body, motion, external, dt, velocity, angular_velocity);
+}
+
+dragcore_status dragcore_impulse_share(const dragcore_wrench* wrench, const dragcore_body* body, const dragcore_motion* motion, double dt, double* share) {
+  return guarded([&] {
+    require(wrench, "wrench");
+    require(body, "body");
+    require(motion, "motion");
+    require(share, "share");
+    *share = dragcore::impulse_share(wrench_of(*wrench), body_of(*body), motion_of(*motion), dt);
   });
 }
 

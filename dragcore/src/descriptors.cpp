@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "local_forces.hpp"
+
 namespace dragcore {
 
 using Eigen::Matrix2d;
@@ -35,9 +37,11 @@ Descriptors describe(const Surface& surface, const Vector3d& direction) {
   }
   if (!(frontal > 0.0)) return result;
   result.frontal_area = frontal;
-  result.depth = surface.volume / (frontal * std::sqrt(frontal));
+  // Finite even where a body a hair thick is seen edge-on; a sheet has none there either.
+  if (surface.volume > 0.0) result.depth = std::min(1e100, surface.volume / (frontal * std::sqrt(frontal)));
   result.sharpness = std::min(1.0, std::sqrt(std::sqrt(sharp / frontal)));
-  second = second / frontal - first * first.transpose() / (frontal * frontal);
+  first /= frontal;
+  second = second / frontal - first * first.transpose();
   // Principal radii of gyration of the silhouette; of a needle seen from the side the short one is rounding error and may even be negative.
   const double mean = 0.5 * second.trace(), spread = std::hypot(0.5 * (second(0, 0) - second(1, 1)), second(0, 1));
   result.aspect = std::sqrt((mean + spread) / std::max(mean - spread, 1e-8 * (mean + spread)));
@@ -45,10 +49,15 @@ Descriptors describe(const Surface& surface, const Vector3d& direction) {
 }
 
 double curvature_along(const Surface& surface, Eigen::Index triangle, const Vector3d& tangential) {
+  return curvature_along(surface, triangle, tangential, 1.0);
+}
+
+double curvature_along(const Surface& surface, Eigen::Index triangle, const Vector3d& tangential, double side) {
   const auto k = surface.curvature.row(triangle);
   const Vector3d& t = tangential;
   const double size = t.squaredNorm();
-  const double turning = k[0] * t.x() * t.x() + k[3] * t.y() * t.y() + k[5] * t.z() * t.z() + 2.0 * (k[1] * t.x() * t.y() + k[2] * t.x() * t.z() + k[4] * t.y() * t.z());
+  const double crossed = k[1] * t.x() * t.y() + k[2] * t.x() * t.z() + k[4] * t.y() * t.z();
+  const double turning = side * (k[0] * t.x() * t.x() + k[3] * t.y() * t.y() + k[5] * t.z() * t.z() + 2.0 * crossed);
   if (!(turning > 0.0) || !(size > 0.0)) return 0.0;
   // In units of the body: 2 for a ball. Half the indicator's rise is at a third of a ball's curvature.
   const double x = turning / size * std::sqrt(surface.total_area / 3.14159265358979323846);

@@ -72,7 +72,9 @@ std::string to_string(Effect effect) {
   throw std::invalid_argument("not an effect");
 }
 
-Model model_for(const Surface& surface) { return {.law = law_for(surface.body_class), .pillow = {PillowForm::tilt, 0.78}}; }
+Pillow class_pillow() { return {PillowForm::tilt, 0.86}; }
+
+Model model_for(const Surface& surface) { return {.law = law_for(surface.body_class), .pillow = class_pillow()}; }
 
 WrenchByTerm wrench(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
   check_input(surface, motion, medium, model);
@@ -113,16 +115,17 @@ TriangleForces triangle_forces(const Surface& surface, const Motion& motion, con
 }
 
 std::optional<LineOfAction> line_of_action(const Wrench& wrench, const Vector3d& reference_point) {
-  const double size = wrench.force.norm();
+  const double size = wrench.force.stableNorm();
   if (!(size > 0.0) || !std::isfinite(size)) return std::nullopt;
   const Vector3d direction = wrench.force / size;
   return LineOfAction{reference_point + direction.cross(wrench.torque) / size, direction, direction.dot(wrench.torque)};
 }
 
 std::optional<Vector3d> centre_of_pressure(const LineOfAction& line, const Vector3d& plane_point, const Vector3d& plane_normal) {
-  const double slope = line.direction.dot(plane_normal.normalized());
+  const Vector3d normal = plane_normal.stableNormalized();
+  const double slope = line.direction.dot(normal);
   if (!(std::abs(slope) > 0.05)) return std::nullopt;
-  return line.point + line.direction * ((plane_point - line.point).dot(plane_normal.normalized()) / slope);
+  return line.point + line.direction * ((plane_point - line.point).dot(normal) / slope);
 }
 
 }  // namespace dragcore

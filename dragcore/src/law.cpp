@@ -21,16 +21,17 @@ Law note_law() { return {.name = "note", .windward = {0.0, 0.0, 2.0, -1.0, 0.0}}
 
 Law consistent_law() { return {.name = "consistent", .windward = {0.0, 2.0, -1.0, 0.0, 0.0}}; }
 
-Law sheet_law() { return {.name = "sheet", .windward = {0.0, 1.98, -0.78, 0.0, 0.0}, .friction = 0.022}; }
+Law sheet_law() { return {.name = "sheet", .windward = {0.0, 2.008, -0.821, 0.0, 0.0}, .friction = 0.0025}; }
 
 Law closed_law() {
   return {.name = "closed",
-          .windward = {0.0, 0.0, 1.52, -0.76, 0.0},
-          .base_suction = 0.38,
+          .windward = {0.0, 0.0, 1.652, -0.826, 0.0},
+          .friction = 0.003,
+          .base_suction = 0.381,
           .recovery = 1.0,
-          .recovery_depth = 1.22,
-          .shelter = 1.33,
-          .curvature = 0.9};
+          .recovery_depth = 0.626,
+          .shelter = 1.696,
+          .curvature = 0.819};
 }
 
 Law scaled_law(double windward_scale, double base_suction) {

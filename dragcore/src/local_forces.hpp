@@ -13,6 +13,11 @@
 
 namespace dragcore {
 
+/// cross_matrix(a) b = a x b.
+inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
+  return (Eigen::Matrix3d() << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0).finished();
+}
+
 /// Which effects this evaluation has: allowed by the model, part of the law, the pillow and the motion, and built.
 class ActiveEffects {
  public:
@@ -65,6 +70,15 @@ class RelativeFlow {
       if (surface.size() > 0) centre_ = sum / surface.total_area - motion.velocity;
     }
     centre_ = moved(centre_, surface.centre);
+    // Of the relative flow: its rate of strain, and its turning. Air that turns with the body does not vary.
+    Eigen::Vector3d turning = Eigen::Vector3d::Zero();
+    if (spin_) turning = motion.angular_velocity;
+    if (gradient_) {
+      const Eigen::Matrix3d& G = motion.wind_gradient;
+      turning -= 0.5 * Eigen::Vector3d(G(2, 1) - G(1, 2), G(0, 2) - G(2, 0), G(1, 0) - G(0, 1));
+      variation_ = 0.5 * (G + G.transpose()).norm();
+    }
+    variation_ += turning.norm();
   }
 
   static std::size_t patch_of(const Surface& surface, Eigen::Index triangle) { return static_cast<std::size_t>(surface.patch[static_cast<std::size_t>(triangle)]); }
@@ -81,7 +95,7 @@ class RelativeFlow {
   /// Whether the velocity differs between the points of one triangle, and a bound of how much per metre.
   bool varies_on_triangles() const { return spin_ || gradient_; }
   bool varies() const { return varies_on_triangles() || per_triangle_; }
-  double variation_per_metre() const { return (spin_ ? motion_.angular_velocity.norm() : 0.0) + (gradient_ ? motion_.wind_gradient.norm() : 0.0); }
+  double variation_per_metre() const { return variation_; }
 
  private:
   Eigen::Vector3d moved(Eigen::Vector3d u, const Eigen::Vector3d& r) const {
@@ -101,6 +115,7 @@ class RelativeFlow {
   bool spin_, per_triangle_, gradient_;
   Eigen::Vector3d uniform_, centre_;
   std::vector<Eigen::Vector3d> patch_wind_;
+  double variation_ = 0.0;
 };
 
 /// A function of c and its derivative.
@@ -109,6 +124,9 @@ struct Curve {
   Curve operator*(const Curve& other) const { return {value * other.value, slope * other.value + value * other.slope}; }
   Curve operator*(double factor) const { return {value * factor, slope * factor}; }
 };
+
+/// c (1 + e)/(c + e): 0 at 0, 1 at 1, most of its rise below c = e.
+inline Curve saturating(double c, double e) { return {c * (1.0 + e) / (c + e), (1.0 + e) * e / ((c + e) * (c + e))}; }
 
 /// The law as one body sees it in one flow: descriptors worked in. Eq. 7 to 12.
 class BodyLaw {
@@ -172,9 +190,6 @@ class BodyLaw {
   bool feels_leeward() const { return active_.has<Effect::leeward_suction>() || (active_.has<Effect::recovery>() && push_ > 0.0); }
 
  private:
-  /// c (1 + e)/(c + e): 0 at 0, 1 at 1, most of its rise below c = e.
-  static Curve saturating(double c, double e) { return {c * (1.0 + e) / (c + e), (1.0 + e) * e / ((c + e) * (c + e))}; }
-
   const Law& law_;
   const ActiveEffects& active_;
   double aspect_factor_ = 1.0, push_ = 0.0, shelter_ = 0.0, sharpness_ = 0.0;
@@ -216,8 +231,9 @@ class PillowShift {
         continue;
       }
       instrument::count(Effect::pillow);
-      patches_.push_back(pillow.form == PillowForm::tilt ? tilt_pillow_shift(patch, u, pillow.factor)
-                                                         : faded(u, patch.normal, [&](double alpha) { return patch_pillow_shift(patch, u, alpha, pillow.falloff); }));
+      const auto falls_off = [&](double alpha) { return patch_pillow_shift(patch, u, alpha, pillow.falloff); };
+      const Eigen::Vector3d shift = pillow.form == PillowForm::tilt ? tilt_pillow_shift(patch, u, pillow.factor) : faded(u, patch.normal, falls_off);
+      patches_.emplace_back(directed(u, patch.second_moment.trace()) * shift);
     }
   }
 
@@ -228,13 +244,20 @@ class PillowShift {
     const Eigen::Vector3d normal = surface_.normal.row(triangle).matrix(), centroid = surface_.centroid.row(triangle).matrix();
     const Eigen::Vector3d ab = surface_.edge_ab.row(triangle).matrix(), ac = surface_.edge_ac.row(triangle).matrix();
     const Eigen::Vector3d u = flow_.at(centroid, triangle), a = centroid - (ab + ac) / 3.0;
-    return faded(u, normal, [&](double alpha) {
+    const double square_radius = (ab.squaredNorm() + ac.squaredNorm() - ab.dot(ac)) / 18.0;
+    return directed(u, square_radius) * faded(u, normal, [&](double alpha) {
       return pillow_.form == PillowForm::eccentricity ? eccentricity_pillow_shift(a, a + ab, a + ac, u, alpha)
                                                       : triangle_pillow_shift(a, a + ab, a + ac, u, alpha, pillow_.falloff);
     });
   }
 
  private:
+  /// Where the air turns about a face more than it passes it there is no leading edge: as BodyLaw does with what depends on one direction of flow.
+  double directed(const Eigen::Vector3d& u, double square_radius) const {
+    const double travel = u.squaredNorm(), variation = flow_.variation_per_metre();
+    return travel > 0.0 ? travel / (travel + variation * variation * square_radius) : 0.0;
+  }
+
   /// Under the note's factor, faded at normal incidence.
   template <class ShiftOf>
   Eigen::Vector3d faded(const Eigen::Vector3d& u, const Eigen::Vector3d& normal, ShiftOf shift_of) const {
@@ -250,9 +273,13 @@ class PillowShift {
   std::vector<Eigen::Vector3d> patches_;
 };
 
+/// The same as of the public header, seen from the side of the normal (1) or from the back of a sheet (-1), where what is convex is hollow.
+double curvature_along(const Surface& surface, Eigen::Index triangle, const Eigen::Vector3d& tangential, double side);
+
 /// Calls visit(LocalForce) for every contribution, triangle by triangle: the one place where the model walks over a surface.
+/// @param every_point  of the model's rule, also where the flow is the same all over a triangle: what a change of spin would do needs them
 template <class Visit>
-void for_each_local_force(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model, Visit&& visit) {
+void for_each_local_force(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model, Visit&& visit, bool every_point = false) {
   using Eigen::Vector3d;
   const ActiveEffects active(motion, model);
   const RelativeFlow flow(surface, motion, active);
@@ -283,7 +310,7 @@ void for_each_local_force(const Surface& surface, const Motion& motion, const Me
         if (is_leeward)
           law.leeward(c, pass);
         else
-          law.windward(c, [&] { return curvature_along(surface, i, (u - normal * normal.dot(u)) / speed); }, pass);
+          law.windward(c, [&] { return curvature_along(surface, i, (u - normal * normal.dot(u)) / speed, w > 0.0 ? 1.0 : -1.0); }, pass);
       };
       feel(r + shift, false);
       if (leeward) feel(r, true);
@@ -299,7 +326,7 @@ void for_each_local_force(const Surface& surface, const Motion& motion, const Me
       for (const QuadraturePoint& point : quadrature_rule(order)) at_point(point.s, point.t, share * point.weight);
     };
 
-    if (!flow.varies_on_triangles()) {
+    if (!flow.varies_on_triangles() && !every_point) {
       at_points(Quadrature::one, 1.0);  // exact: the flow is the same all over the triangle
     } else if (model.quadrature != Quadrature::adaptive) {
       at_points(model.quadrature, 1.0);

@@ -196,6 +196,7 @@ Vector3d patch_pillow_shift(const Patch& patch, const Vector3d& u, double alpha,
       moment_h += 0.5 * f * h * h * minus_ds;
     }
   }
+  if (!(area > 0.0)) return Vector3d::Zero();  // an outline that rounding has emptied
   return frame.along * (moment_s / area * frame.chord + frame.leading) + across * (moment_h / area * frame.chord);
 }
 

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <numbers>
 
 #include "quadrature.hpp"
 
@@ -36,8 +37,13 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
       if (patch < 0 || surface.patch[i] == patch) sum += surface.area[static_cast<Eigen::Index>(i)] * wind_at(i), area += surface.area[static_cast<Eigen::Index>(i)];
     return area > 0.0 ? Vector3d(sum / area) : motion.wind;
   };
-  double variation = spins ? motion.angular_velocity.norm() : 0.0;
-  if (winds && motion.triangle_wind.empty()) variation += motion.wind_gradient.norm();
+  // How much the relative flow varies per metre: rate of strain and turning of its gradient, G - [omega].
+  Matrix3d gradient = Matrix3d::Zero();
+  if (winds && motion.triangle_wind.empty()) gradient += motion.wind_gradient;
+  if (spins)
+    for (int axis = 0; axis < 3; ++axis) gradient.col(axis) -= motion.angular_velocity.cross(Vector3d::Unit(axis));
+  const Vector3d curl(gradient(2, 1) - gradient(1, 2), gradient(0, 2) - gradient(2, 0), gradient(1, 0) - gradient(0, 1));
+  const double variation = (gradient + gradient.transpose()).norm() / 2 + curl.norm() / 2;
 
   // Descriptors of the body in the flow at its centre, and the share of that flow in all of its motion.
   const Vector3d u_centre = u_in(mean_wind(-1), surface.centre);
@@ -73,7 +79,7 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
     const auto alpha = [&](const Vector3d& flow, const Vector3d& normal) {
       return flow.norm() > 0.0 ? faded_pillow_factor(model.pillow.factor, std::abs(flow.dot(normal)) / flow.norm()) : 0.0;
     };
-    if (model.effects.has(Effect::pillow) && u(G).norm() > 0.0) {
+    if (model.effects.has(Effect::pillow)) {
       const Vector3d over = u_in(mean_wind(patch_index), patch.centroid);
       switch (model.pillow.form) {
         case PillowForm::none: break;
@@ -82,6 +88,12 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
         case PillowForm::patch: shift = patch_pillow_shift(patch, over, alpha(over, patch.normal), model.pillow.falloff); break;
         case PillowForm::tilt: shift = tilt_pillow_shift(patch, over, model.pillow.factor); break;
       }
+      // Faded where the air turns about the face more than it passes it: mean square radius of the triangle or the patch.
+      const bool whole = model.pillow.form == PillowForm::patch || model.pillow.form == PillowForm::tilt;
+      const double triangle2 = (((A + B) / 2 - G).squaredNorm() + ((B + C) / 2 - G).squaredNorm() + ((C + A) / 2 - G).squaredNorm()) / 3;
+      const double radius2 = whole ? patch.second_moment.trace() : triangle2;
+      const double passing = (whole ? over : u(G)).squaredNorm();
+      shift *= passing > 0.0 ? passing / (passing + variation * variation * radius2) : 0.0;
     }
 
     const auto at_point = [&](const QuadraturePoint& point, double share) {
@@ -100,7 +112,11 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
           push(Term::windward_pressure, S * evaluate(law.windward, c));
           if (model.effects.has(Effect::base_suction)) push(Term::base_suction, S * law.base_suction * h * saturating(c, law.base_edge) * (2.0 - c));
           if (model.effects.has(Effect::curvature)) {
-            const double chi = curvature_along(surface, index, u(r_p) - n * n.dot(u(r_p)));
+            const Vector3d t = u(r_p) - n * n.dot(u(r_p));
+            const auto K = surface.curvature.row(index);
+            const Matrix3d tensor = (Matrix3d() << K[0], K[1], K[2], K[1], K[3], K[4], K[2], K[4], K[5]).finished();
+            const double bend = t.squaredNorm() > 0.0 ? side * t.dot(tensor * t) / t.squaredNorm() * std::sqrt(surface.total_area / std::numbers::pi) : 0.0;
+            const double chi = bend > 0.0 ? bend * bend / (bend * bend + 0.45) : 0.0;  // hollow seen from the back of a sheet is convex seen from its front
             push(Term::curvature, -S * law.curvature * chi * (1.0 - c * c) * saturating(c, 0.2));
           }
         }

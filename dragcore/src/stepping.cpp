@@ -1,6 +1,7 @@
 #include <dragcore/stepping.hpp>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -29,9 +30,8 @@ Vector6d generalised_force(const LocalForce& local) {
   return generalised(force, local.place.cross(force));
 }
 
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& r) {
-  return (Eigen::Matrix3d() << 0.0, -r.z(), r.y(), r.z(), 0.0, -r.x(), -r.y(), r.x(), 0.0).finished();
-}
+/// Whether a change of spin can change the wrench.
+bool feels_spin(const Model& model) { return model.effects.has(Effect::spin) && instrument::built(Effect::spin); }
 
 }  // namespace
 
@@ -68,17 +68,34 @@ Matrix6d resistance(const Surface& surface, const Motion& motion, const Medium& 
     } else {  // pressure over normal velocity, times the dyad of the normal
       add(local, local.normal, factor / local.c);
     }
-  });
+  }, feels_spin(model));
   s.triangularView<Eigen::StrictlyUpper>() = s.transpose();
-  if (balance.has_gain()) {
+  const ActiveEffects active(motion, model);
+  // In a wind that varies, power against the wind at the reference point may be anything, and S v is not the wrench anyway: wind_excess() has what pushes too.
+  if (balance.has_gain() && !active.has<Effect::wind_variation>()) {
     // What pushes has no secant matrix of its own that is not negative. Broyden's update (BFGS) turns S into the nearest one that is positive and whose
     // product with the relative velocity is the whole wrench: (total . velocity) is its power, which the energy balance keeps positive.
-    const Vector6d velocity = -relative(motion), total = taken + balance.gain_share() * given, before = s * velocity;
-    const double power = total.dot(velocity), power_before = before.dot(velocity);
-    if (power > 0.0 && power_before > 0.0) s += total * (total / power).transpose() - before * (before / power_before).transpose();
+    Vector6d velocity = -relative(motion);
+    if (!active.has<Effect::spin>()) velocity.tail<3>().setZero();  // not felt
+    const Vector6d total = taken + balance.gain_share() * given;
+    // On a root of S the update is a projection: no rounding error makes the result negative, however many digits cancel near edge-on.
+    const auto factors = s.ldlt();
+    Matrix6d root = factors.matrixL();
+    root = factors.transpositionsP().transpose() * Matrix6d(root * factors.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal());
+    const Vector6d felt = root.transpose() * velocity;
+    if (const double power = total.dot(velocity); power > 0.0 && felt.norm() > 0.0) {
+      root -= (root * felt.normalized()) * felt.normalized().transpose();
+      s.setZero();
+      s.selfadjointView<Eigen::Lower>().rankUpdate(root).rankUpdate(Vector6d(total / std::sqrt(power)));
+      s.triangularView<Eigen::StrictlyUpper>() = s.transpose();
+    }
   }
   check_result(s.allFinite(), model);
   return s;
+}
+
+Vector6d wind_excess(const Wrench& total, const Matrix6d& resistance, const Motion& motion) {
+  return generalised(total.force, total.torque) + resistance * relative(motion);
 }
 
 Matrix6d force_jacobian(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
@@ -104,8 +121,9 @@ Matrix6d force_jacobian(const Surface& surface, const Motion& motion, const Medi
     sum.topRightCorner<3, 3>() += by_velocity * arm;
     sum.bottomLeftCorner<3, 3>() -= arm * by_velocity;
     sum.bottomRightCorner<3, 3>() += arm * by_velocity * arm;
-  });
+  }, feels_spin(model));
   if (balance.has_gain()) taken += balance.gain_share() * given;
+  if (!feels_spin(model)) taken.rightCols<3>().setZero();
   check_result(taken.allFinite(), model);
   return taken;
 }
@@ -114,7 +132,20 @@ Vector6d step_secant_implicit(const Matrix6d& resistance, const MassProperties& 
   check_step(dt, resistance.allFinite() && relative(motion).allFinite() && external.allFinite());
   const Matrix6d mass = body.matrix();
   // In velocities relative to the air, so that the wind's own speed costs no digits.
-  const Vector6d moved = (mass + dt * resistance).ldlt().solve(mass * relative(motion) + dt * external);
+  const auto factored = mass.llt();
+  Vector6d moved;
+  if (dt * factored.solve(resistance).trace() < 1e4) {
+    moved = (mass + dt * resistance).ldlt().solve(mass * relative(motion) + dt * external);
+  } else {
+    // So stiff that rounding errors of the drag outweigh the mass, and the solve above may gain energy where there is little drag. Along the axes of the
+    // drag, in units of the root of the mass, every component shrinks or stays.
+    const Matrix6d root = factored.matrixL(), left = factored.matrixL().solve(resistance), drag = factored.matrixL().solve(left.transpose());
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> axes(drag);
+    const Vector6d shrink = (1.0 + dt * axes.eigenvalues().cwiseMax(0.0).array()).inverse();
+    const Vector6d pushed = root.transpose() * relative(motion) + dt * factored.matrixL().solve(external);
+    moved = factored.matrixU().solve(axes.eigenvectors() * shrink.cwiseProduct(axes.eigenvectors().transpose() * pushed));
+  }
+  if (!moved.allFinite()) throw std::overflow_error("step: the new velocity is not finite; dt, resistance or external wrench is orders of magnitude too large");
   return moved + generalised(motion.wind, Eigen::Vector3d::Zero());
 }
 

@@ -47,13 +47,17 @@ std::vector<Segment> straightened(const std::vector<std::pair<int, int>>& bounda
     while (straight[end]) end = next[end][0];
     outline.emplace_back(vertices[from], vertices[end]);
   }
+  if (outline.size() < 3) {  // of a needle of 1 : 1e9 and more nothing would be left
+    outline.clear();
+    for (const auto& [from, to] : boundary) outline.emplace_back(vertices[from], vertices[to]);
+  }
   return outline;
 }
 
 /// Class of a body by thickness and by how much of its turning is done by sharp edges: both are free of scale and, once a round body has eight
 /// facets around, of the triangulation.
 BodyClass classify(const Surface& surface, double sharp_turning, double smooth_turning) {
-  if (!(surface.volume > 0.0)) return BodyClass::sheet;
+  if (!(surface.volume > 0.0) || surface.size() == 0) return BodyClass::sheet;
   Matrix3d moment = Matrix3d::Zero();
   for (const Patch& patch : surface.patches) {
     const Vector3d arm = patch.centroid - surface.centre;
@@ -77,11 +81,15 @@ BodyClass classify(const Surface& surface, double sharp_turning, double smooth_t
   return sharp_turning < 0.25 * (sharp_turning + smooth_turning) ? BodyClass::smooth : BodyClass::sharp;
 }
 
+/// Whether a triangle's winding runs along an edge in this direction.
+bool runs(const Vector3i& t, int from, int to) { return (t[0] == from && t[1] == to) || (t[1] == from && t[2] == to) || (t[2] == from && t[0] == to); }
+
 }  // namespace
 
 Surface::Surface(const TriangleMesh& mesh, Sides sides_) : sides(sides_) {
   const MeshProperties found = inspect(mesh);
-  if (found.inside_out)
+  // A sheet has no outside, and two skins at one place no volume but rounding.
+  if (sides == Sides::one && found.inside_out && found.volume < -1e-12 * found.area * std::sqrt(found.area))
     throw std::invalid_argument("surface: the closed mesh is inside out (volume " + std::to_string(found.volume) +
                                 " m^3, normals must point into the air); reverse the winding of its triangles");
   if (sides == Sides::one && !found.consistently_wound)
@@ -109,8 +117,9 @@ Surface::Surface(const TriangleMesh& mesh, Sides sides_) : sides(sides_) {
     for (int k = 0; k < 3; ++k) neighbours[std::minmax(t[k], t[(k + 1) % 3])].push_back(static_cast<int>(i));
   }
 
-  // Flood each patch from its first triangle.
+  // Flood each patch from its first triangle. A sheet has no outside: its triangles may be wound either way, `turn` is -1 where it is against the first's.
   patch.assign(count, -1);
+  std::vector<int> turn(count, 1);
   for (Eigen::Index first = 0; first < count; ++first) {
     if (patch[first] >= 0) continue;
     const int id = static_cast<int>(patches.size());
@@ -120,11 +129,14 @@ Surface::Surface(const TriangleMesh& mesh, Sides sides_) : sides(sides_) {
     for (std::size_t k = 0; k < members.size(); ++k) {
       const Vector3i& t = triangles[members[k]];
       for (int e = 0; e < 3; ++e)
-        for (const int other : neighbours[std::minmax(t[e], t[(e + 1) % 3])])
-          if (patch[other] < 0 && plane.cross(Vector3d(normal.row(other).matrix())).norm() < coplanar_angle && plane.dot(normal.row(other).matrix()) > 0.0) {
-            patch[other] = id;
-            members.push_back(other);
-          }
+        for (const int other : neighbours[std::minmax(t[e], t[(e + 1) % 3])]) {
+          if (patch[other] >= 0 || plane.cross(Vector3d(normal.row(other).matrix())).norm() >= coplanar_angle) continue;
+          const int side = plane.dot(normal.row(other).matrix()) > 0.0 ? 1 : -1;
+          if (side != turn[members[k]] && !(two_sided() && runs(triangles[other], t[e], t[(e + 1) % 3]))) continue;
+          patch[other] = id;
+          turn[other] = side;
+          members.push_back(other);
+        }
     }
 
     Patch p;
@@ -132,14 +144,15 @@ Surface::Surface(const TriangleMesh& mesh, Sides sides_) : sides(sides_) {
     std::map<std::pair<int, int>, int> directed;  // edges minus their reverses: what is left is the boundary
     for (const int i : members) {
       p.area += area[i];
-      area_vector += area[i] * normal.row(i).matrix().transpose();
+      area_vector += turn[i] * area[i] * normal.row(i).matrix().transpose();
       moment += area[i] * centroid.row(i).matrix().transpose();
       for (int e = 0; e < 3; ++e) {
-        const int from = triangles[i][e], to = triangles[i][(e + 1) % 3];
-        if (const auto reverse = directed.find({to, from}); reverse != directed.end())
-          directed.erase(reverse);
-        else
+        int from = triangles[i][e], to = triangles[i][(e + 1) % 3];
+        if (turn[i] < 0) std::swap(from, to);
+        if (const auto reverse = directed.find({to, from}); reverse == directed.end())
           ++directed[{from, to}];
+        else if (--reverse->second == 0)
+          directed.erase(reverse);
       }
     }
     p.normal = area_vector.stableNormalized();
@@ -151,7 +164,7 @@ Surface::Surface(const TriangleMesh& mesh, Sides sides_) : sides(sides_) {
         p.second_moment += area[i] / (3.0 * p.area) * (midpoint - p.centroid) * (midpoint - p.centroid).transpose();
     }
     std::vector<std::pair<int, int>> boundary;
-    for (const auto& [edge, times] : directed) boundary.push_back(edge);
+    for (const auto& [edge, times] : directed) boundary.insert(boundary.end(), times, edge);  // repeated where triangles are
     p.outline = straightened(boundary, joined.vertices);
     patches.push_back(std::move(p));
   }
@@ -165,7 +178,9 @@ Surface::Surface(const TriangleMesh& mesh, Sides sides_) : sides(sides_) {
     for (int e = 0; e < 3; ++e) {
       const std::vector<int>& pair = neighbours[std::minmax(t[e], t[(e + 1) % 3])];
       if (pair.size() != 2 || pair[0] == pair[1]) continue;
-      const Vector3d other = normal.row(pair[0] == i ? pair[1] : pair[0]).matrix();
+      const int neighbour = pair[0] == i ? pair[1] : pair[0];
+      Vector3d other = normal.row(neighbour).matrix();
+      if (two_sided() && runs(triangles[neighbour], t[e], t[(e + 1) % 3])) other = -other;  // wound against this one
       const Vector3d edge = joined.vertices[t[(e + 1) % 3]] - joined.vertices[t[e]];
       const double length = edge.norm(), theta = std::atan2(n.cross(other).dot(edge) / length, n.dot(other));
       (std::abs(theta) < sharp_angle ? smooth_turning : sharp_turning) += 0.5 * std::abs(theta) * length;
@@ -179,7 +194,7 @@ Surface::Surface(const TriangleMesh& mesh, Sides sides_) : sides(sides_) {
   }
 
   total_area = area.sum();
-  if (sides == Sides::one && found.closed && found.consistently_wound) volume = found.volume;
+  if (sides == Sides::one && found.closed && found.consistently_wound) volume = std::max(0.0, found.volume);
   if (count > 0) centre = ((centroid.colwise() * area).colwise().sum() / total_area).matrix();
   for (Eigen::Index i = 0; i < count; ++i) {
     const Vector3d a = (centroid.row(i) - (edge_ab.row(i) + edge_ac.row(i)) / 3.0).matrix();

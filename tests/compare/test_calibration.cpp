@@ -130,3 +130,38 @@ TEST_CASE("the cost table has an error of zero for the model that made the refer
       CHECK_THAT(row.total_s, WithinAbs(40.0, 1e-12));
     }
 }
+
+TEST_CASE("the laws by class are found again from references that they made", "[compare][calibration][analytic]") {
+  dragcore::Law sheet = dragcore::sheet_law(), closed = dragcore::closed_law();
+  sheet.windward = {0.0, 1.7, -0.5, 0.0, 0.0};
+  closed.windward = {0.0, 0.0, 1.4, -0.7, 0.0};
+  closed.base_suction = 0.5;
+  closed.recovery_depth = 0.9;
+  closed.shelter = 1.1;
+  std::vector<CaseRecord> records;
+  for (const double incidence : {0.0, 15.0, 30.0, 60.0, 90.0}) records.push_back(made_by({.law = sheet}, dragcore::Plate{}, incidence, 0));
+  for (const double length : {0.5, 1.0, 3.0})
+    for (const double yaw : {0.0, 15.0, 30.0, 60.0}) {
+      records.push_back(made_by({.law = closed}, dragcore::Box{length, 1.0, 1.0}, 0, yaw));
+      records.back().name = std::to_string(length) + "_" + records.back().name;  // a family of its own
+    }
+  for (const double incidence : {0.0, 180.0}) records.push_back(made_by({.law = closed}, dragcore::Sphere{}, incidence, 0));
+  records.push_back(made_by({.law = dragcore::note_law()}, dragcore::Box{2.0, 1.0, 1.0}, 0, 20));
+  records.back().held_out = true;  // would spoil the fit
+
+  const Calibration found = calibrate_class_laws(records);
+  REQUIRE(found.fits.size() == 2);
+  CHECK(found.fits[0].cases.size() == 5);
+  CHECK(found.fits[1].cases.size() == 14);
+  CHECK(found.fits[0].model.law == sheet);  // to the three decimals that laws are kept with
+  CHECK_THAT(found.fits[1].model.law.base_suction, WithinAbs(0.5, 2e-3));
+  CHECK_THAT(found.fits[1].model.law.windward[2], WithinAbs(1.4, 4e-3));
+  CHECK_THAT(found.fits[1].model.law.recovery_depth, WithinAbs(0.9, 5e-3));  // spheres: 12 divisions in the fit against 32 in the references
+  CHECK_THAT(found.fits[1].model.law.shelter, WithinAbs(1.1, 5e-3));
+  CHECK(found.fits[0].errors[0].in_sample < 1e-6);
+  CHECK(found.fits[0].errors[0].left_out_pose < 1e-6);
+  CHECK(std::isnan(found.fits[0].errors[0].left_out_shape));  // there is one shape only
+  CHECK(found.fits[1].errors[0].in_sample < 5e-3);
+  CHECK(found.fits[1].errors[0].note > 0.05);
+  CHECK_THROWS_WITH(calibrate_class_laws({records[0]}), Catch::Contains("at least"));
+}

@@ -14,7 +14,7 @@ template <class Defect>
 compare::GateResult with_defect(const std::vector<CaseRecord>& records, Defect defect) {
   const auto baseline = compare::make_baseline(records, "test");
   return compare::run_gate(baseline, records, [&](const compare::NamedModel& named) -> compare::Predictor {
-    return [model = compare::predictor(named.model), defect](const CaseRecord& record) { return defect(record, model); };
+    return [model = compare::predictor(named.choice), defect](const CaseRecord& record) { return defect(record, model); };
   });
 }
 

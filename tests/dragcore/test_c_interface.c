@@ -36,7 +36,40 @@ int main(void) {
   model.pillow_factor = 0.8;
   check(dragcore_evaluate(sheet, &motion, 1.2, &model, &wrench) == DRAGCORE_OK && wrench.torque[1] > 0.1, "the pillow lifts the leading edge");
 
-  check(dragcore_last_error()[0] == '\0', "no error so far");
+  /* Laws by name, the class of a body and what suits it. */
+  {
+    dragcore_law law;
+    dragcore_body_class body_class;
+    dragcore_model best;
+    check(dragcore_named_law("closed", &law) == DRAGCORE_OK && law.base_suction > 0.0, "the closed law has base suction");
+    check(dragcore_surface_class(sheet, &body_class) == DRAGCORE_OK && body_class == DRAGCORE_SHEET, "an open sheet is a sheet");
+    check(dragcore_model_for(sheet, &best) == DRAGCORE_OK && best.law.friction > 0.0 && best.pillow == DRAGCORE_PILLOW_TILT, "the sheet's model has friction");
+    check(best.effects == DRAGCORE_ALL_EFFECTS, "and all effects");
+    check(dragcore_evaluate(sheet, &motion, 1.2, &best, &wrench) == DRAGCORE_OK && wrench.force[0] > 0.0, "friction drags the sheet along");
+    best.effects = 0;
+    check(dragcore_evaluate(sheet, &motion, 1.2, &best, &wrench) == DRAGCORE_OK && fabs(wrench.force[0]) < 1e-12, "not with the effect off");
+    best.effects = 1u << 20;
+    check(dragcore_evaluate(sheet, &motion, 1.2, &best, &wrench) == DRAGCORE_INVALID_ARGUMENT, "unknown effects are refused");
+  }
+
+  /* A step: the sheet is taken along by the wind and never overtakes it. */
+  {
+    const dragcore_body paper = {0.08, {0.0067, 0, 0, 0, 0.0067, 0, 0, 0, 0.0134}};
+    const dragcore_wrench nothing = {{0, 0, 0}, {0, 0, 0}};
+    double velocity[3], spin[3], share, jacobian[36];
+    model.pillow = DRAGCORE_PILLOW_NONE;
+    motion.wind[0] = 0.0;
+    check(dragcore_resistance(sheet, &motion, 1.2, &model, s) == DRAGCORE_OK, "resistance for the step");
+    check(dragcore_step_secant_implicit(s, &paper, &motion, &nothing, 10.0, velocity, spin) == DRAGCORE_OK && velocity[2] > 9.0 && velocity[2] < 10.0, "an implicit step");
+    check(dragcore_step_scalar_implicit(s, &paper, &motion, &nothing, 10.0, velocity, spin) == DRAGCORE_OK && velocity[2] > 0.0 && velocity[2] < 10.0, "a scalar one");
+    check(dragcore_evaluate(sheet, &motion, 1.2, &model, &wrench) == DRAGCORE_OK, "wrench for the impulse");
+    check(dragcore_impulse_share(&wrench, &paper, &motion, 10.0, &share) == DRAGCORE_OK && share > 0.0 && share < 0.01, "an impulse is cut down");
+    check(dragcore_force_jacobian(sheet, &motion, 1.2, &model, jacobian) == DRAGCORE_OK && fabs(jacobian[14] + 12.0) < 1e-9, "d force / d velocity = -2 F/U");
+    check(dragcore_step_secant_implicit(s, &paper, &motion, &nothing, -1.0, velocity, spin) == DRAGCORE_INVALID_ARGUMENT, "no step back in time");
+  }
+
+  check(dragcore_last_error()[0] != '\0', "the last error is kept");
+  check(dragcore_evaluate(sheet, &motion, 1.2, &model, &wrench) == DRAGCORE_OK && dragcore_last_error()[0] == '\0', "until the next success");
   check(dragcore_evaluate(sheet, &motion, -1.0, &model, &wrench) == DRAGCORE_INVALID_ARGUMENT, "a negative density is refused");
   check(strstr(dragcore_last_error(), "density") != NULL, "by name");
   model.quadrature = 2;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <dragcore/wind.hpp>
+
 #include "tests/support/zoo.hpp"
 
 using namespace dragcore;
@@ -72,8 +74,15 @@ TEST_CASE("E3: without the guard leeward faces get c^2 (2 + c)", "[errata][sign]
 }
 
 TEST_CASE("E4: the tangential velocity needs the normal after the dot product", "[errata][analytic]") {
-  const Vector3d v(1, 2, 3), n = Vector3d(1, -1, 2).normalized();
-  CHECK_THAT((v - v.dot(n) * n).dot(n), WithinAbs(0.0, 1e-15));  // printed: a vector minus a number
+  // Printed: a vector minus a number. What the library takes for the direction of flow over a face must lie in the face, upstream.
+  const Eigen::Matrix3d turn = Pose{.incidence = 0.4, .yaw = 0.7, .roll = -0.3}.rotation();
+  const Surface sheet(transformed(triangulate(Plate{1.0, 1.0, 0.0}, 1), turn, Vector3d::Zero()), Surface::Sides::two);
+  const Vector3d v(1, 2, 3), n = sheet.patches[0].normal;
+  for (const Vector3d& shift : {tilt_pillow_shift(sheet.patches[0], v, 0.8), patch_pillow_shift(sheet.patches[0], v, 0.8)}) {
+    CHECK(shift.norm() > 0.01);
+    CHECK_THAT(shift.dot(n), WithinAbs(0.0, 1e-15));
+    CHECK(shift.dot(v) < 0.0);
+  }
 }
 
 TEST_CASE("E5: the first integral of the mean height lost a thickness", "[errata][analytic]") {
@@ -138,8 +147,10 @@ TEST_CASE("E15, E16: the rotational element has sin^2, and its axis must be turn
 }
 
 TEST_CASE("E17, E19: the printed torque has the order reversed and its tilt the wrong parity and unit", "[errata][sign]") {
-  const Vector3d r(1, 0, 0), force(0, 0, -1);
-  CHECK(r.cross(force).isApprox(-force.cross(r)));
+  // A push along -z on a plate that lies at +x of the reference point turns it from x to -z: about +y. F x r would turn it the other way.
+  const WrenchByTerm pushed = wrench(Surface(triangulate(Plate{1.0, 1.0, 0.0}, 1), Surface::Sides::two), {.wind = {0, 0, -1}, .reference_point = {-1, 0, 0}}, {.density = 2.0}, {});
+  CHECK_THAT(pushed.total().force.z(), WithinAbs(-1.0, 1e-15));
+  CHECK_THAT(pushed.total().torque.y(), WithinAbs(1.0, 1e-15));
   // A triangle and its mirror image in h must tilt in opposite ways: int x^2 h h_m does, the printed int x^3 h_m^2 cannot.
   const auto tilt = [](double sign, bool printed) {
     return integrate(0, 0.5, [&](double x) { const double h = 1 - x, middle = sign * 0.3 * x; return printed ? x * x * x * middle * middle : x * x * h * middle; }, 2000);
@@ -216,7 +227,10 @@ TEST_CASE("E26: the trilinear formulas reproduce every trilinear function, and r
   };
   for (const double x : {0.0, 0.1, 0.5, 0.99, 1.0})
     for (const double z : {0.0, 0.3, 1.0}) CHECK_THAT(printed(x, 0.7, z), WithinAbs(field(x, 0.7, z), 1e-13));
-  CHECK(std::floor(-0.01 * (n - 1)) == -1.0);  // the index it would read
+  CHECK(std::floor(-0.01 * (n - 1)) == -1.0);  // the index it would read; the library looks first
+  const Grid grid{.points = {2, 1, 1}, .values = (Eigen::Matrix3Xd(3, 2) << 1, 3, 0, 0, 0, 0).finished()};
+  CHECK(GridField(grid).velocity({-0.01, 0.5, 0.5}).isZero(0.0));
+  CHECK(GridField({grid.points, grid.lower, grid.upper, grid.values, Outside::clamp}).velocity({-0.01, 0.5, 0.5}).x() == 1.0);
 }
 
 TEST_CASE("E27: the gust ends with a jump of its slope, and blows backwards on average for p above 1.68", "[errata][analytic]") {

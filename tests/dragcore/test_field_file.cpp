@@ -9,6 +9,8 @@
 #include <fstream>
 #include <iterator>
 #include <random>
+#include <string_view>
+#include <vector>
 
 /// HDF5 1.10.8 loses 328 bytes whenever an object's checksum is wrong (its own h5dump too): not ours to report. Read by the leak sanitizer alone.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
@@ -157,7 +159,10 @@ TEST_CASE("an HDF5 field file that is cut, foreign or wrong gives a message with
   // Every change below is made on a copy of the good file, by the library itself.
   const auto refused = [&](const auto& change, const std::string& what) {
     std::filesystem::copy_file(good, bad, std::filesystem::copy_options::overwrite_existing);
-    const hid_t file = H5Fopen(bad.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
+    const hid_t file = H5Fopen(bad.c_str(), H5F_ACC_RDWR, access);
+    H5Pclose(access);
     REQUIRE(file >= 0);
     change(file);
     H5Fclose(file);
@@ -211,4 +216,52 @@ TEST_CASE("an HDF5 field file that is cut, foreign or wrong gives a message with
     }
   }
   CHECK(found > 100);
+}
+
+TEST_CASE("an HDF5 field file without checksums on its structure is refused before the library can stumble", "[dragcore][field_file][hard][regression]") {
+  const Folder folder;
+  // The same contents, as the library writes them by default and in the format of 1.10; texts of fixed and of variable length.
+  const auto make = [&](const std::string& name, bool oldest, bool variable) {
+    const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    if (!oldest) H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
+    const hid_t file = H5Fcreate((folder.path / name).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), scalar = H5Screate(H5S_SCALAR);
+    const auto text = [&](hid_t object, const char* key, const char* value) {
+      const hid_t type = H5Tcopy(H5T_C_S1);
+      H5Tset_size(type, variable ? H5T_VARIABLE : std::string_view(value).size());
+      const hid_t attribute = H5Acreate2(object, key, type, scalar, H5P_DEFAULT, H5P_DEFAULT);
+      H5Awrite(attribute, type, variable ? static_cast<const void*>(&value) : value);
+      H5Aclose(attribute), H5Tclose(type);
+    };
+    text(file, "schema", "dragcore.wind_field"), text(file, "schema_version", "1.0"), text(file, "outside", "zero");
+    const auto numbers = [&](const char* key, std::vector<hsize_t> shape, const char* units, std::vector<double> values) {
+      const hid_t space = H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr);
+      const hid_t dataset = H5Dcreate2(file, key, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+      H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+      text(dataset, "units", units);
+      H5Dclose(dataset), H5Sclose(space);
+    };
+    numbers("lower", {3}, "m", {0, 0, 0}), numbers("upper", {3}, "m", {1, 1, 1}), numbers("velocity", {1, 1, 1, 3}, "m/s", {1, 2, 3});
+    H5Sclose(scalar), H5Fclose(file), H5Pclose(access);
+    return folder.path / name;
+  };
+  CHECK(read_field_hdf5(make("good.h5", false, false)).velocity(Vector3d(0.5, 0.5, 0.5)) == Vector3d(1, 2, 3));
+  CHECK_THROWS_WITH(read_field_hdf5(make("old.h5", true, false)), Contains("its superblock is damaged, or of HDF5's oldest format") && Contains("libver='v110'"));
+  CHECK_THROWS_WITH(read_field_hdf5(make("texts.h5", false, true)), Contains("attribute schema is a text of variable length") && Contains("numpy.bytes_"));
+
+  // A root or a dataset that has become one of the oldest format: its first byte is the version then.
+  const std::string good = contents(folder.path / "good.h5");
+  int objects = 0;
+  for (std::size_t at = good.find("OHDR"); at != std::string::npos; at = good.find("OHDR", at + 1)) {
+    std::string damaged = good;
+    damaged[at] = 1;
+    CHECK_THROWS_WITH(read_field_hdf5(folder.write("damaged.h5", damaged)), Contains("is damaged, or of HDF5's oldest format"));
+    ++objects;
+  }
+  CHECK(objects == 4);
+  // What a link says is somewhere else is not looked for there.
+  const hid_t file = H5Fopen((folder.path / "good.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  H5Ldelete(file, "lower", H5P_DEFAULT);
+  H5Lcreate_external("other.h5", "/lower", file, "lower", H5P_DEFAULT, H5P_DEFAULT);
+  H5Fclose(file);
+  CHECK_THROWS_WITH(read_field_hdf5(folder.path / "good.h5"), Contains("dataset lower is a link to another place"));
 }

@@ -1,7 +1,13 @@
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <dragcore/mesh_file.hpp>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "tests/support/zoo.hpp"
 
@@ -84,4 +90,101 @@ TEST_CASE("a damaged mesh file is refused with its name and its fault", "[mesh][
   std::string poisoned = text;
   poisoned.replace(poisoned.find("vertex ") + 7, 4, "nan ");
   CHECK_THROWS_WITH(read_mesh(folder.write("nan.stl", poisoned)), Catch::Contains("nan.stl"));
+}
+
+TEST_CASE("an OBJ file that names another file does not make the reader open it", "[mesh][io][hard][regression]") {
+  const Folder folder;
+  // A material library that is a pipe nobody writes to: opening it waits for ever.
+  REQUIRE(::mkfifo((folder.path / "pipe").c_str(), 0600) == 0);
+  const auto file = folder.write("named.obj", "mtllib " + (folder.path / "pipe").string() + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  std::atomic<bool> opened = false;
+  std::thread writer([&] {
+    const int end = ::open((folder.path / "pipe").c_str(), O_WRONLY);  // returns when somebody has opened the other end
+    opened = true;
+    ::close(end);
+  });
+  CHECK(read_mesh(file).triangles.size() == 1);
+  CHECK_FALSE(opened);
+  const int end = ::open((folder.path / "pipe").c_str(), O_RDONLY | O_NONBLOCK);  // lets the writer go
+  writer.join();
+  ::close(end);
+}
+
+TEST_CASE("of an OBJ file only vertices and faces count, however they are written", "[mesh][io]") {
+  const Folder folder;
+  const auto area = [&](const std::string& text) { return inspect(read_mesh(folder.write("face.obj", text))).area; };
+  const std::string corners = "v 0 0 0\nv 2 0 0\nv 0 2 0\n";
+  for (const std::string& text : {corners + "f 1 2 3", corners + "f -3 -2 -1\r\n", "f 1 2 3\n" + corners, corners + "f 1 \\\n 2 \\\r\n3\n",
+                                 corners + "vt 0 0\nvn 0 0 1\no thing\ng a b\nusemtl red\ns off\nf 1/1/1 2//1 3/1\nl 1 2 3\np 1\nf 1 2\n",
+                                 std::string("# comment\nv 0 0 0 1 0 0\nv +2.0e0 0 0 0.5 1 1\n\tv 0 2 0 0 0 1\nf 1 2 3"),  // colours
+                                 std::string("v 0 0 0 1\nv 4 0 0 2\nv 0 1 0 0.5\nf 1 2 3")}) {                      // weights
+    INFO(text);
+    CHECK(area(text) == 2.0);
+  }
+}
+
+TEST_CASE("a polygon of an OBJ file has its area once it is split, convex or not, and joins its neighbours", "[mesh][io][analytic]") {
+  const Folder folder;
+  const auto read = [&](const std::vector<Eigen::Vector3d>& corners, const Eigen::Matrix3d& rotation) {
+    std::ostringstream text;
+    text.precision(17);
+    for (const auto& corner : corners) text << "v " << (rotation * corner).transpose() << "\n";
+    text << "f";
+    for (std::size_t i = 0; i < corners.size(); ++i) text << " " << i + 1;
+    return inspect(read_mesh(folder.write("polygon.obj", text.str())));
+  };
+  struct Case {
+    std::vector<Eigen::Vector3d> corners;
+    double area;
+  };
+  std::vector<Eigen::Vector3d> star;  // corners 2 and 1 from the middle by turns: ten triangles of sin 36 deg
+  for (int i = 0; i < 10; ++i) star.emplace_back((2 - i % 2) * std::cos(i * std::numbers::pi / 5), (2 - i % 2) * std::sin(i * std::numbers::pi / 5), 0.0);
+  const Case cases[] = {{{{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}}, 4.0},
+                        {{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}}, 3.0},  // an L: its inner corner lies on a diagonal
+                        {{{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1, 1, 0}, {0, 2, 0}}, 3.0},             // a square with a notch to its middle
+                        {{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}}, 4.0},             // a corner that is none
+                        {star, 10 * std::sin(36 * std::numbers::pi / 180)}};
+  zoo::Random random(11);
+  for (const Case& test : cases) {
+    std::vector<Eigen::Vector3d> corners = test.corners;
+    for (std::size_t start = 0; start < corners.size(); ++start) {
+      std::rotate(corners.begin(), corners.begin() + 1, corners.end());
+      const MeshProperties found = read(corners, random.rotation());
+      INFO(corners.size() << " corners from " << start);
+      CHECK_THAT(found.area, WithinRel(test.area, 1e-14));  // rounding; overlaps would add to it
+      CHECK(found.triangles == static_cast<int>(corners.size()) - 2);
+      CHECK(found.boundary_edges == static_cast<int>(corners.size()));  // every edge of the polygon is one of a triangle
+      CHECK(found.consistently_wound);
+    }
+  }
+  // Edges that cross, corners on a line: any split will do.
+  CHECK(read({{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}}, Eigen::Matrix3d::Identity()).triangles == 2);
+  CHECK(read({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, Eigen::Matrix3d::Identity()).area == 0.0);
+}
+
+TEST_CASE("an OBJ file whose numbers do not fit each other is refused with line, value found and value needed", "[mesh][io][hard][regression]") {
+  const Folder folder;
+  const auto refused = [&](const std::string& text, const std::string& what) {
+    INFO(text);
+    CHECK_THROWS_WITH(read_mesh(folder.write("bad.obj", text)), Catch::Contains("bad.obj: ") && Catch::Contains(what));
+  };
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  refused("", "is empty");
+  refused(corners, "holds no triangle");
+  refused(corners + "f 1 2\n", "holds no triangle");
+  refused(corners + "f 1 2 4\n", "line 4: a face refers to vertex 4, but there are 3");
+  refused(corners + "f 1/1 2/2 2147483647/1\n", "line 4: a face refers to vertex 2147483647, but there are 3");
+  refused(corners + "f 0 1 2\n", "line 4: a face refers to vertex 0");
+  refused(corners + "\nf -4 1 2\n", "line 5: a face refers to vertex -4, of 3 so far");
+  refused(corners + "f 1 2 /3\n", "line 4: a corner of a face is '/3'");
+  refused(corners + "f 1 2 2147483648\n", "needed: the number of a vertex");
+  refused("v 0 0\nf 1 1 1", "line 1: a vertex has 2 coordinates; needed: three");
+  refused("v 0 0 1x\nf 1 1 1", "line 1: a coordinate of a vertex is '1x'; needed: a finite number");
+  refused("v 0 nan 0\nf 1 1 1", "is 'nan'; needed: a finite number");
+  refused("v 0 0 -1e309\nf 1 1 1", "is '-1e309'; needed: a finite number");
+  refused("v 0 0 1 0\nf 1 1 1", "line 1: the weight of a vertex is 0");
+  refused("v 0 0 1e308 1e-3\nf 1 1 1", "coordinates must be finite");
+  std::string polygon = corners + "f";
+  for (int i = 0; i < 2001; ++i) polygon += " 1";
+  refused(polygon, "line 4: a face has 2001 corners; needed: no more than 2000");
 }

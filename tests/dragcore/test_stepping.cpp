@@ -140,3 +140,24 @@ TEST_CASE("mass properties and time steps out of range are refused", "[stepping]
   CHECK_THROWS_WITH(step_scalar_implicit(Matrix6d::Zero(), {}, {}, poisoned, 1.0), Catch::Contains("must be finite"));
   CHECK_THROWS_WITH(impulse_share({.force = poisoned.head<3>()}, {}, {}, 1.0), Catch::Contains("must be finite"));
 }
+
+TEST_CASE("a cube that spins about its vertical axis slows down for ever and never gains energy", "[stepping][limit]") {
+  const Surface cube = zoo::surface(Box{}, 1);
+  const MassProperties body{.mass = 0.1, .inertia = 0.1 / 6 * Eigen::Matrix3d::Identity()};
+  for (const Law& law : {note_law(), closed_law()}) {
+    Motion motion{.angular_velocity = {0.0, 0.0, 40.0}};
+    double energy = 1e9;
+    for (int i = 0; i < 20000; ++i) {
+      const Vector6d next = step_secant_implicit(resistance(cube, motion, {}, {.law = law}), body, motion, Vector6d::Zero(), 1.0 / 60);
+      motion.velocity = next.head<3>();
+      motion.angular_velocity = next.tail<3>();
+      const double now = 0.5 * next.dot(body.matrix() * next);
+      REQUIRE(now < energy);
+      energy = now;
+    }
+    // d omega/dt = -k omega^2: 1/omega grows linearly. k = |M_z| / (I omega^2) at unit spin, by the same rule.
+    const double k = -wrench(cube, {.angular_velocity = {0.0, 0.0, 1.0}}, {}, {.law = law}).total().torque.z() / body.inertia(2, 2);
+    CHECK(motion.velocity.norm() < 1e-12);
+    CHECK_THAT(1.0 / motion.angular_velocity.z(), Catch::Matchers::WithinRel(1.0 / 40 + k * 20000.0 / 60, 0.05));  // the diagonals of 12 triangles tilt the torque by 5 %, and the spin with it
+  }
+}

@@ -119,8 +119,8 @@ describe('references made by a law with scale 0.9 and base suction 0.3', () => {
 
   test('the figure of the cone has a line per law, a point per usable case and one published value', async () => {
     const plot = opened.page.locator('[data-figure="sweep-cone-Re-100000-k-omega-sst"]');
-    // Three laws in C_D and C_L; in C_m also patch and tilt pillow on two of them.
-    assert.equal(await plot.locator('.mark-line.role-mark path').count(), 3 + 3 + 7);
+    // Four laws in C_D and C_L; in C_m also patch and tilt pillow on two of them, and tilt on the laws by class.
+    assert.equal(await plot.locator('.mark-line.role-mark path').count(), 4 + 4 + 9);
     assert.equal(await plot.locator('.mark-symbol.role-mark path').count(), 3 * 6 + 1);
     assert.equal(await plot.locator('.mark-rule.role-mark line').count(), 3 * 6);
   });

@@ -23,8 +23,11 @@ struct MassProperties {
 
 /// Secant matrix S of the drag at this motion: the wrench is exactly S (V_air - V), with V = (velocity, angular_velocity), V_air = (wind, 0).
 /// Symmetric and positive semidefinite, whatever the law: terms that push are worked in by a Broyden update (BFGS). SI units of force over velocity.
-/// In a wind that is not uniform S (V_air - V) is not the whole wrench: give the steps what is missing, wrench - S (V_air - V), as part of `external`.
+/// In a wind that is not uniform S (V_air - V) is not the whole wrench: give the steps what is missing, wind_excess(), as part of `external`.
 Matrix6d resistance(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model);
+
+/// What S (V_air - V) misses of the total wrench in a wind that varies over the body; rounding errors in a uniform one.
+Vector6d wind_excess(const Wrench& total, const Matrix6d& resistance, const Motion& motion);
 
 /// Derivative of (force, torque) by (velocity, angular_velocity), for engines that step implicitly themselves. The pillow's displacement,
 /// the body's descriptors and the share of pushing terms are held fixed.

@@ -2,12 +2,15 @@
 
 #include <hdf5.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <limits>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
@@ -198,7 +201,7 @@ void write_text(const std::filesystem::path& file, hid_t object, const char* nam
   if (H5Awrite(attribute, type, text.data()) < 0) fail(file, std::string("cannot write attribute ") + name);
 }
 
-/// A text attribute of fixed or variable length; empty when there is none.
+/// A text attribute of fixed length; empty when there is none.
 std::string read_text(const std::filesystem::path& file, hid_t object, const char* name) {
   if (H5Aexists(object, name) <= 0) return {};
   const Handle attribute(file, H5Aopen(object, name, H5P_DEFAULT), H5Aclose, std::string("cannot open attribute ") + name);
@@ -206,13 +209,9 @@ std::string read_text(const std::filesystem::path& file, hid_t object, const cha
   const Handle type(file, H5Aget_type(attribute), H5Tclose, "no type");
   if (H5Tget_class(type) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1)
     fail(file, std::string("attribute ") + name + " is not a text");
-  if (H5Tis_variable_str(type) > 0) {  // as h5py writes them
-    char* text = nullptr;
-    if (H5Aread(attribute, type, &text) < 0 || !text) fail(file, std::string("cannot read attribute ") + name);
-    const std::string result = text;
-    H5free_memory(text);
-    return result;
-  }
+  // Those of variable length are kept in a heap without checksums, in which HDF5 1.10 loops for ever where it is damaged.
+  if (H5Tis_variable_str(type) > 0)
+    fail(file, std::string("attribute ") + name + " is a text of variable length; write it with a fixed one, in Python as numpy.bytes_('…')");
   std::string text(H5Tget_size(type), '\0');
   if (H5Aread(attribute, type, text.data()) < 0) fail(file, std::string("cannot read attribute ") + name);
   return text.substr(0, text.find('\0'));
@@ -234,6 +233,48 @@ void write_numbers(const std::filesystem::path& file, hid_t parent, const char* 
   write_text(file, dataset, "long_name", long_name);
 }
 
+/// HDF5 1.10 reads beyond its memory where a file without checksums on its structure is damaged. Superblocks have them from version 2 on, and so do object
+/// headers, which then begin with "OHDR". Whatever is opened must have been through here.
+class Checksums {
+ public:
+  explicit Checksums(const std::filesystem::path& file) : file_(file), in_(file, std::ios::binary) {
+    std::array<unsigned char, 48> block{};
+    in_.read(reinterpret_cast<char*>(block.data()), block.size());
+    const std::array<unsigned char, 8> signature{0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
+    if (!in_ || !std::equal(signature.begin(), signature.end(), block.begin())) fail(file, "is not an HDF5 file, or its start is damaged");
+    const auto address = [&block](std::size_t at) {
+      std::uint64_t value = 0;
+      for (std::size_t i = 0; i < 8; ++i) value |= std::uint64_t{block[at + i]} << 8 * i;
+      return value;
+    };
+    // Version; bytes per address and per length; base address; address of an extension, none; of the root.
+    if (block[8] < 2 || block[9] != 8 || block[10] != 8 || address(12) != 0 || address(20) != HADDR_UNDEF) refuse("its superblock");
+    require_at(address(36), "its root");
+  }
+
+  /// Of the object behind a link.
+  void require_of(hid_t parent, const char* name, const std::string& what) {
+    H5L_info_t link;
+    if (H5Lget_info(parent, name, &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD) fail(file_, what + " is a link to another place; put the data here");
+    require_at(link.u.address, what);
+  }
+
+ private:
+  void require_at(std::uint64_t address, const std::string& what) {
+    std::array<char, 4> word{};
+    in_.seekg(static_cast<std::streamoff>(std::min<std::uint64_t>(address, std::numeric_limits<std::int64_t>::max())));
+    in_.read(word.data(), word.size());
+    if (!in_ || std::string_view(word.data(), word.size()) != "OHDR") refuse(what);
+  }
+  [[noreturn]] void refuse(const std::string& what) const {
+    fail(file_, what + " is damaged, or of HDF5's oldest format, which has no checksums; write the file with write_field_hdf5 or, in Python, with "
+                       "h5py.File(…, libver='v110')");
+  }
+
+  const std::filesystem::path& file_;
+  std::ifstream in_;
+};
+
 std::string to_text(const std::vector<hsize_t>& shape) {
   std::string text = "[";
   for (const hsize_t n : shape) {
@@ -244,10 +285,11 @@ std::string to_text(const std::vector<hsize_t>& shape) {
 }
 
 /// Reads a dataset of floating-point numbers after `accept` has seen its shape and returned where to put them.
-void read_numbers(const std::filesystem::path& file, hid_t parent, const char* name, const std::string& units,
+void read_numbers(const std::filesystem::path& file, Checksums& checksums, hid_t parent, const char* name, const std::string& units,
                   const std::function<double*(const std::vector<hsize_t>&)>& accept) {
   const std::string what = std::string("dataset ") + name;
   if (H5Lexists(parent, name, H5P_DEFAULT) <= 0) fail(file, what + " is missing; write the file again with write_field_hdf5");
+  checksums.require_of(parent, name, what);
   const Handle dataset(file, H5Dopen2(parent, name, H5P_DEFAULT), H5Dclose, what + " cannot be opened");
   const Handle type(file, H5Dget_type(dataset), H5Tclose, what + " has no type");
   if (H5Tget_class(type) != H5T_FLOAT) fail(file, what + " does not hold floating-point numbers");
@@ -271,7 +313,7 @@ void read_numbers(const std::filesystem::path& file, hid_t parent, const char* n
 GridField read_field_hdf5(const std::filesystem::path& file) {
   const Quiet quiet;
   if (!std::filesystem::is_regular_file(file)) fail(file, "no such file");
-  if (H5Fis_hdf5(file.c_str()) <= 0) fail(file, "is not an HDF5 file, or its start is damaged");
+  Checksums checksums(file);
   // Whatever the library itself leaves open when it meets damage is closed with the file.
   const Handle access(file, H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "no properties");
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
@@ -285,11 +327,11 @@ GridField read_field_hdf5(const std::filesystem::path& file) {
   if (outside != "zero" && outside != "clamp") fail(file, "attribute outside is '" + outside + "'; needed: 'zero' or 'clamp'");
   grid.outside = outside == "zero" ? Outside::zero : Outside::clamp;
   for (const auto& [name, bound] : {std::pair{"lower", &grid.lower}, std::pair{"upper", &grid.upper}})
-    read_numbers(file, root, name, "m", [&, n = name, b = bound](const std::vector<hsize_t>& shape) {
+    read_numbers(file, checksums, root, name, "m", [&, n = name, b = bound](const std::vector<hsize_t>& shape) {
       if (shape != std::vector<hsize_t>{3}) fail(file, std::string("dataset ") + n + " has shape " + to_text(shape) + "; needed: [3]");
       return b->data();
     });
-  read_numbers(file, root, "velocity", "m/s", [&](const std::vector<hsize_t>& shape) {
+  read_numbers(file, checksums, root, "velocity", "m/s", [&](const std::vector<hsize_t>& shape) {
     double count = 1.0;
     for (const hsize_t n : shape) count *= static_cast<double>(n);
     if (shape.size() != 4 || shape[3] != 3 || count < 3.0 || count > 3.0 * most_points)

@@ -1,0 +1,18 @@
+# The library with effects masked off gives the bits of a build that lacks them, and other bits than with them.
+#   cmake -DWHOLE=<program> -DLACKING=<program> -DBITS=<effects> -P effects_compare.cmake
+foreach(run "masked|${WHOLE}|${BITS}" "lacking|${LACKING}|0" "whole|${WHOLE}|0")
+  string(REPLACE "|" ";" run "${run}")
+  list(GET run 0 name)
+  list(GET run 1 program)
+  list(GET run 2 bits)
+  execute_process(COMMAND ${program} ${bits} OUTPUT_VARIABLE ${name} RESULT_VARIABLE failed)
+  if(failed)
+    message(FATAL_ERROR "${program} ${bits} failed: ${failed}")
+  endif()
+endforeach()
+if(NOT masked STREQUAL lacking)
+  message(FATAL_ERROR "effects ${BITS}: masked off ${masked}, built without ${lacking}: they must be the same to the bit")
+endif()
+if(masked STREQUAL whole)
+  message(FATAL_ERROR "effects ${BITS}: the cases do not have the effect, so that the comparison proves nothing")
+endif()

@@ -1,0 +1,130 @@
+#include <dragcore/dragcore.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "fuzz.hpp"
+
+namespace {
+
+/// Values made of the bytes, zeros behind their end.
+class Bytes {
+ public:
+  Bytes(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
+
+  template <class Value>
+  Value take() {
+    Value value{};
+    const std::size_t count = std::min(sizeof value, size_);
+    if (count > 0) std::memcpy(&value, data_, count);
+    data_ += count;
+    size_ -= count;
+    return value;
+  }
+  /// Any double at all, or one of a size that bodies and winds have: else nearly all would be refused.
+  double number() { return take<std::uint8_t>() % 8 == 0 ? take<double>() : take<std::int8_t>() / 16.0; }
+  int index(int count) { return take<std::uint8_t>() % 32 == 0 ? take<int>() : take<std::uint8_t>() % std::max(1, count); }
+  template <std::size_t count>
+  void fill(double (&numbers)[count]) {
+    for (double& x : numbers) x = number();
+  }
+
+ private:
+  const std::uint8_t* data_;
+  std::size_t size_;
+};
+
+void check_status(dragcore_status status) {
+  fuzz::check(status == DRAGCORE_OK || status == DRAGCORE_INVALID_ARGUMENT || status == DRAGCORE_FAILED, "a function returns a status");
+  fuzz::check((status == DRAGCORE_OK) == (dragcore_last_error()[0] == '\0'), "an error has a message, and success has none");
+  fuzz::check(std::strlen(dragcore_last_error()) < 1000, "a message is short");
+}
+
+void check_finite(dragcore_status status, const double* numbers, int count, const char* what) {
+  for (int i = 0; i < count && status == DRAGCORE_OK; ++i) fuzz::check(std::isfinite(numbers[i]), std::string("what is returned without error is finite: ") + what);
+}
+
+}  // namespace
+
+/// The C interface: any numbers, any indices, NULL anywhere.
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Bytes bytes(data, size);
+  const auto nulls = bytes.take<std::uint8_t>() % 4 == 0 ? bytes.take<std::uint32_t>() : 0u;  // one bit for each pointer
+  const auto pointer = [&](int bit, auto* p) { return nulls >> bit & 1 ? nullptr : p; };
+
+  const int vertex_count = bytes.take<std::uint8_t>() % 12, triangle_count = bytes.take<std::uint8_t>() % 20;
+  std::vector<double> vertices(3 * vertex_count);
+  for (double& x : vertices) x = bytes.number();
+  std::vector<int> triangles(3 * triangle_count);
+  for (int& i : triangles) i = bytes.index(vertex_count);
+  const int two_sided = bytes.take<std::uint8_t>() % 3;
+
+  dragcore_surface* surface = nullptr;
+  dragcore_status status =
+      dragcore_surface_create(pointer(0, vertices.data()), vertex_count, pointer(1, triangles.data()), triangle_count, two_sided, pointer(2, &surface));
+  check_status(status);
+  fuzz::check((status == DRAGCORE_OK) == (surface != nullptr), "there is a surface where there is no error");
+
+  dragcore_body_class body_class;
+  check_status(dragcore_surface_class(pointer(3, surface), pointer(4, &body_class)));
+  dragcore_model model = dragcore_note_model();
+  check_status(dragcore_model_for(pointer(5, surface), pointer(6, &model)));
+  const char name[] = {bytes.take<char>(), bytes.take<char>(), '\0'};
+  const char* known[] = {"note", "consistent", "sheet", "closed", name, nullptr};
+  check_status(dragcore_named_law(known[bytes.take<std::uint8_t>() % 6], pointer(7, &model.law)));
+
+  dragcore_motion motion;
+  for (auto* v : {&motion.wind, &motion.velocity, &motion.angular_velocity, &motion.reference_point}) bytes.fill(*v);
+  bytes.fill(motion.wind_gradient);
+  const double density = bytes.number();
+  if (bytes.take<std::uint8_t>() % 2) {
+    bytes.fill(model.law.windward);
+    bytes.fill(model.law.leeward);
+    for (double* x : {&model.law.friction, &model.law.base_suction, &model.law.base_edge, &model.law.aspect_gain, &model.law.aspect_scale,
+                      &model.law.recovery, &model.law.recovery_depth, &model.law.recovery_edge, &model.law.shelter, &model.law.curvature})
+      *x = bytes.number();
+  }
+  // C lets any number into an enum.
+  const int pillow = bytes.index(5), falloff = bytes.index(2);
+  std::memcpy(&model.pillow, &pillow, sizeof pillow);
+  std::memcpy(&model.falloff, &falloff, sizeof falloff);
+  model.pillow_factor = bytes.number();
+  model.quadrature = bytes.index(7);
+  model.effects = static_cast<unsigned>(bytes.index(512));
+
+  dragcore_wrench wrench{};
+  status = dragcore_evaluate(pointer(8, surface), pointer(9, &motion), density, pointer(10, &model), pointer(11, &wrench));
+  check_status(status);
+  check_finite(status, wrench.force, 3, "force");
+  check_finite(status, wrench.torque, 3, "torque");
+
+  double matrix[36] = {}, jacobian[36];
+  status = dragcore_force_jacobian(pointer(12, surface), pointer(13, &motion), density, pointer(14, &model), pointer(15, jacobian));
+  check_status(status);
+  check_finite(status, jacobian, 36, "Jacobian");
+  status = dragcore_resistance(pointer(16, surface), pointer(17, &motion), density, pointer(18, &model), pointer(19, matrix));
+  check_status(status);
+  check_finite(status, matrix, 36, "resistance");
+
+  dragcore_body body;
+  body.mass = bytes.number();
+  bytes.fill(body.inertia);
+  const double dt = bytes.number();
+  bytes.fill(wrench.force);
+  bytes.fill(wrench.torque);
+  if (bytes.take<std::uint8_t>() % 2) bytes.fill(matrix);
+  for (const auto step : {&dragcore_step_secant_implicit, &dragcore_step_scalar_implicit}) {
+    double velocity[3], angular_velocity[3];
+    status = step(pointer(20, matrix), pointer(21, &body), pointer(22, &motion), pointer(23, &wrench), dt, pointer(24, velocity), pointer(25, angular_velocity));
+    check_status(status);
+    check_finite(status, velocity, 3, "velocity after a step");
+    check_finite(status, angular_velocity, 3, "angular velocity after a step");
+  }
+  double share;
+  status = dragcore_impulse_share(pointer(26, &wrench), pointer(27, &body), pointer(28, &motion), dt, pointer(29, &share));
+  check_status(status);
+  fuzz::check(status != DRAGCORE_OK || (share >= 0.0 && share <= 1.0), "the share of an impulse is from 0 to 1");
+  dragcore_surface_destroy(surface);
+  return 0;
+}

@@ -1,0 +1,14 @@
+#include <dragcore/mesh_file.hpp>
+
+#include "fuzz.hpp"
+
+/// OBJ files.
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const fuzz::Scratch scratch(".obj");
+  try {
+    fuzz::evaluate(dragcore::read_mesh(scratch.holding(data, size)));
+  } catch (const std::runtime_error& fault) {
+    fuzz::check(std::strlen(fault.what()) < 1000, "a message is short");
+  }
+  return 0;
+}
