@@ -43,10 +43,15 @@ std::vector<ModelCost> model_costs(const std::vector<const CaseRecord*>& cases, 
   if (quick) meshes = {1, 3};
   for (const int divisions : meshes) {
     const dragcore::Surface surface(triangulate(shape, divisions));
-    for (const dragcore::Law& law : {dragcore::note_law(), dragcore::consistent_law(), fitted})
+    dragcore::Law by_class = dragcore::law_for(surface.body_class);
+    by_class.name = "by class";
+    for (const dragcore::Law& law : {dragcore::note_law(), dragcore::consistent_law(), fitted, by_class})
       for (const auto form : {dragcore::PillowForm::none, dragcore::PillowForm::triangle, dragcore::PillowForm::patch, dragcore::PillowForm::tilt}) {
         dragcore::Model model{.law = law};
-        if (form != dragcore::PillowForm::none)
+        if (law.name == by_class.name) {
+          if (form != dragcore::PillowForm::none && form != dragcore::class_pillow().form) continue;
+          if (form != dragcore::PillowForm::none) model.pillow = dragcore::class_pillow();
+        } else if (form != dragcore::PillowForm::none)
           model.pillow = calibration.fit("pillow " + to_string(form) + " on law " + (law.name == fitted.name ? fitted.name : "note")).model.pillow;
         double drag = 0.0, moment = 0.0;
         for (const CaseRecord* record : cases) {

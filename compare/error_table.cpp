@@ -80,6 +80,7 @@ std::string group_label(const ErrorRow& row, const std::vector<GroupBy>& by) {
   for (const GroupBy part : by) {
     if (!label.empty()) label += ", ";
     if (part == GroupBy::shape) label += row.shape;
+    if (part == GroupBy::held_out) label += row.held_out ? "held out" : "fitted to";
     if (part == GroupBy::reynolds) label += fmt::format("Re {:g}, {}", row.reynolds, row.flow_model);
     if (part == GroupBy::orientation)
       label += fmt::format("incidence {:.4g}, yaw {:.4g}, roll {:.4g}", row.incidence_deg, row.yaw_deg, row.roll_deg);
@@ -121,7 +122,8 @@ GroupBy group_by_from(const std::string& word) {
   if (word == "shape") return GroupBy::shape;
   if (word == "orientation") return GroupBy::orientation;
   if (word == "Re" || word == "reynolds") return GroupBy::reynolds;
-  throw std::invalid_argument("cannot group by '" + word + "'; known: shape, orientation, Re");
+  if (word == "held_out") return GroupBy::held_out;
+  throw std::invalid_argument("cannot group by '" + word + "'; known: shape, orientation, Re, held_out");
 }
 
 ErrorSummary summarise(const std::string& group, const std::vector<const ErrorRow*>& rows) {

@@ -68,7 +68,7 @@ struct ErrorTable {
 };
 
 /// What summaries group by, in any combination; empty means shape and Re.
-enum class GroupBy { shape, orientation, reynolds };
+enum class GroupBy { shape, orientation, reynolds, held_out };
 GroupBy group_by_from(const std::string& word);  ///< @throws std::invalid_argument with the known words
 
 /// Compares a model with the finest usable mesh of each case.

@@ -71,11 +71,11 @@ std::string Table::text() const {
     }
     return row + "</tr>\n";
   };
-  std::string html = fmt::format("<table id=\"{}\">\n<caption>{}</caption>\n<thead>\n", id, caption);
+  std::string html = fmt::format("<div class=\"wide\"><table id=\"{}\">\n<caption>{}</caption>\n<thead>\n", id, caption);
   for (const auto& cells : head) html += line(cells, "th");
   html += "</thead>\n<tbody>\n";
   for (const auto& cells : rows) html += line(cells, "td");
-  return html + "</tbody>\n</table>\n";
+  return html + "</tbody>\n</table></div>\n";
 }
 
 }  // namespace compare::html

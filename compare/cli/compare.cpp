@@ -26,7 +26,7 @@ void add_compare(CLI::App& app, Context& context) {
   command->footer("Example: dragval compare --matrix quick --law consistent --pillow tilt --factor 0.78 --format md");
   add_source_options(*command, options->source);
   add_model_options(*command, options->model);
-  command->add_option("--by", options->by, "Group the statistics by any of shape, orientation, Re")->delimiter(',');
+  command->add_option("--by", options->by, "Group the statistics by any of shape, orientation, Re, held_out")->delimiter(',');
   command->add_option("--format", options->format, "table, md, csv or json")->capture_default_str();
   command->add_flag("--json", options->json, "The same as --format json");
   command->add_option("--output", options->output, "HDF5 file for both sides and the errors; \"\" for none")->capture_default_str();

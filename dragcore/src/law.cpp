@@ -21,7 +21,7 @@ Law note_law() { return {.name = "note", .windward = {0.0, 0.0, 2.0, -1.0, 0.0}}
 
 Law consistent_law() { return {.name = "consistent", .windward = {0.0, 2.0, -1.0, 0.0, 0.0}}; }
 
-Law sheet_law() { return {.name = "sheet", .windward = {0.0, 2.008, -0.821, 0.0, 0.0}, .friction = 0.0025}; }
+Law sheet_law() { return {.name = "sheet", .windward = {0.0, 2.016, -0.83, 0.0, 0.0}, .friction = 0.0025}; }
 
 Law closed_law() {
   return {.name = "closed",
@@ -30,7 +30,7 @@ Law closed_law() {
           .base_suction = 0.381,
           .recovery = 1.0,
           .recovery_depth = 0.626,
-          .shelter = 1.696,
+          .shelter = 1.698,
           .curvature = 0.819};
 }
 

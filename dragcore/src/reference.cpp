@@ -30,7 +30,8 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
     return u;
   };
   const auto wind_at = [&](std::size_t triangle) { return winds && !motion.triangle_wind.empty() ? motion.triangle_wind[triangle] : motion.wind; };
-  const auto mean_wind = [&](int patch) {  // of one patch, or of all (-1)
+  const auto mean_wind = [&](int patch) -> Vector3d {  // of one patch, or of all (-1)
+    if (!winds || motion.triangle_wind.empty()) return motion.wind;
     Vector3d sum = Vector3d::Zero();
     double area = 0.0;
     for (std::size_t i = 0; i < surface.patch.size(); ++i)

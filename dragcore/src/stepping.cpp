@@ -24,6 +24,12 @@ void check_step(double dt, bool finite) {
   if (!(dt >= 0.0) || !std::isfinite(dt)) throw std::invalid_argument("step: dt = " + std::to_string(dt) + " s, but it must be finite and not negative");
 }
 
+/// And what it gives.
+Vector6d finite(const Vector6d& velocity) {
+  if (!velocity.allFinite()) throw std::overflow_error("step: the new velocity is not finite; dt, resistance or external wrench is orders of magnitude too large");
+  return velocity;
+}
+
 /// A local force as a generalised one, about the reference point.
 Vector6d generalised_force(const LocalForce& local) {
   const Eigen::Vector3d force = local.force();
@@ -145,8 +151,7 @@ Vector6d step_secant_implicit(const Matrix6d& resistance, const MassProperties& 
     const Vector6d pushed = root.transpose() * relative(motion) + dt * factored.matrixL().solve(external);
     moved = factored.matrixU().solve(axes.eigenvectors() * shrink.cwiseProduct(axes.eigenvectors().transpose() * pushed));
   }
-  if (!moved.allFinite()) throw std::overflow_error("step: the new velocity is not finite; dt, resistance or external wrench is orders of magnitude too large");
-  return moved + generalised(motion.wind, Eigen::Vector3d::Zero());
+  return finite(moved + generalised(motion.wind, Eigen::Vector3d::Zero()));
 }
 
 Vector6d step_scalar_implicit(const Matrix6d& resistance, const MassProperties& body, const Motion& motion, const Vector6d& external, double dt) {
@@ -154,14 +159,20 @@ Vector6d step_scalar_implicit(const Matrix6d& resistance, const MassProperties& 
   const auto factored = body.matrix().llt();
   const double trace = factored.solve(resistance).trace();
   const Vector6d wrench = external - resistance * relative(motion);
-  return generalised(motion.velocity, motion.angular_velocity) + dt / (1.0 + dt * trace) * factored.solve(wrench);
+  return finite(generalised(motion.velocity, motion.angular_velocity) + dt / (1.0 + dt * trace) * factored.solve(wrench));
 }
 
 double impulse_share(const Wrench& wrench, const MassProperties& body, const Motion& motion, double dt) {
   check_step(dt, wrench.force.allFinite() && wrench.torque.allFinite() && relative(motion).allFinite());
-  const Vector6d impulse = dt * generalised(wrench.force, wrench.torque);
-  const double work = -impulse.dot(relative(motion)), growth = impulse.dot(body.matrix().llt().solve(impulse));
-  return growth > 0.0 ? std::clamp(work / growth, 0.0, 1.0) : (work >= 0.0 ? 1.0 : 0.0);
+  const Vector6d whole = generalised(wrench.force, wrench.torque);
+  const double size = whole.cwiseAbs().maxCoeff();
+  if (!(size > 0.0)) return 1.0;
+  // Per unit of wrench, so that no square of an impulse leaves the range of numbers.
+  const Vector6d unit = whole / size;
+  const double work = -unit.dot(relative(motion)), growth = dt * size * unit.dot(body.matrix().llt().solve(unit));
+  if (!(growth > 0.0)) return work >= 0.0 ? 1.0 : 0.0;
+  const double share = work / growth;
+  return share > 0.0 ? std::min(share, 1.0) : 0.0;
 }
 
 }  // namespace dragcore

@@ -690,3 +690,25 @@ TEST_CASE("in a wind that varies the secant matrix stays of the size of the drag
       CHECK((R * six(spinning.wind - spinning.velocity, Vector3d::Zero()) - six(felt.force, felt.torque)).norm() < 1e-11);
     }
 }
+
+TEST_CASE("the share of an impulse is from 0 to 1 for impulses as small and as large as numbers go", "[hard][energy]") {
+  const MassProperties body{.mass = 0.1, .inertia = 1e-3 * Matrix3d::Identity()};
+  const Motion motion{.velocity = {1, 2, 3}, .angular_velocity = {0, 5, 0}};
+  for (const double size : {denormal, 1e-300, 1e-170, 1e-3, 1e170, 1e300})
+    for (const double dt : {0.0, 1e-300, 1.0 / 60, 1e10, 1e300})
+      for (const double sign : {1.0, -1.0}) {
+        const double share = impulse_share({.force = sign * Vector3d(size, 0, 0), .torque = {0, sign * size, 0}}, body, motion, dt);
+        INFO("size " << size << ", dt " << dt << ", sign " << sign);
+        // work = 6 size dt, growth = 1010 (size dt)^2: all of it, none or their ratio.
+        const double ratio = 6.0 / 1010.0 / size / dt;
+        CHECK_THAT(share, WithinRel(sign > 0.0 ? 0.0 : std::min(1.0, ratio), 1e-12) || WithinAbs(sign > 0.0 ? 0.0 : std::min(1.0, ratio), 1e-300));
+      }
+}
+
+TEST_CASE("a step too long for numbers ends at rest in the air or is refused, never at a velocity that is none", "[hard][energy]") {
+  const Matrix6d stiff = 1e250 * Matrix6d::Identity();
+  for (const double dt : {1e-200, 1e50, 1e100}) CHECK(step_secant_implicit(stiff, {}, {.velocity = {1, 2, 3}}, Vector6d::Zero(), dt).norm() < 1e-40);
+  const Vector6d push = Vector6d::Constant(1e200);
+  CHECK_THROWS_WITH(step_secant_implicit(Matrix6d::Zero(), {}, {}, push, 1e200), Catch::Contains("not finite"));
+  CHECK_THROWS_WITH(step_scalar_implicit(Matrix6d::Zero(), {}, {}, push, 1e200), Catch::Contains("not finite"));
+}
