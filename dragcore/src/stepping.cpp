@@ -26,7 +26,8 @@ void check_step(double dt, bool finite) {
 
 /// And what it gives.
 Vector6d finite(const Vector6d& velocity) {
-  if (!velocity.allFinite()) throw std::overflow_error("step: the new velocity is not finite; dt, resistance or external wrench is orders of magnitude too large");
+  if (!velocity.allFinite())
+    throw std::overflow_error("step: the new velocity is not finite; dt, resistance or external wrench is orders of magnitude too large");
   return velocity;
 }
 

@@ -130,7 +130,8 @@ TEST_CASE("an FGA file that is cut, foreign or wrong gives a message with its fa
   refused("0,1,1,0,0,0,1,1,1", "whole number from 1");
   refused("1.5,1,1,0,0,0,1,1,1,1,2,3", "whole number from 1");
   refused("-1,1,1,0,0,0,1,1,1,1,2,3", "whole number from 1");
-  refused("1000,1000,1000,0,0,0,1,1,1,1,2,3", "promises 1000000000 vectors");
+  refused("1000,1000,1000,0,0,0,1,1,1,1,2,3", "promises 1000 x 1000 x 1000 vectors");
+  refused("100000000,100000000,100000000,0,0,0,1,1,1,1,2,3", "promises 100000000 x 100000000 x 100000000 vectors");  // more than 64 bits count
   refused("1e300,1e300,1e300,0,0,0,1,1,1,1,2,3", "whole number from 1");
   refused("1,1,1,0,0,0,1,0,1,1,2,3", "upper - lower");
   refused("solid cube", "'solid'");

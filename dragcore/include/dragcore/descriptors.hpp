@@ -19,7 +19,8 @@ struct Descriptors {
 /// @cost             one pass over the patches
 Descriptors describe(const Surface& surface, const Eigen::Vector3d& direction);
 
-/// chi in [0, 1]: how much a triangle's surroundings curve along a tangential direction of length t <= 1 [-]; times t^4, so that it is continuous at t = 0.
+/// chi in [0, 1]: how much a triangle's surroundings curve along a tangential direction of length t <= 1 [-].
+/// Has no limit at t = 0, where it is 0: the law multiplies it by t^2.
 /// 0 on flat faces and along the generators of cones and cylinders, 0.94 on a ball.
 double curvature_along(const Surface& surface, Eigen::Index triangle, const Eigen::Vector3d& tangential);
 

@@ -23,6 +23,7 @@ struct MassProperties {
 
 /// Secant matrix S of the drag at this motion: the wrench is exactly S (V_air - V), with V = (velocity, angular_velocity), V_air = (wind, 0).
 /// Symmetric and positive semidefinite, whatever the law: terms that push are worked in by a Broyden update (BFGS). SI units of force over velocity.
+/// With Effect::spin masked off the torque does not feel the spin, and the promise about energy is about the linear motion alone.
 /// In a wind that is not uniform S (V_air - V) is not the whole wrench: give the steps what is missing, wind_excess(), as part of `external`.
 Matrix6d resistance(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model);
 

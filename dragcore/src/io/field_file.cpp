@@ -117,7 +117,8 @@ GridField read_fga(const std::filesystem::path& file, const FgaMeaning& meaning)
   }
   // A number and its separator take two bytes: a file that promises more vectors than it has room for is not worth allocating for.
   if (count > most_points || 6.0 * count > static_cast<double>(body.size()) + 1.0)
-    fail(file, "promises " + std::to_string(static_cast<long long>(count)) + " vectors, but has only " + std::to_string(body.size()) +
+    fail(file, "promises " + std::to_string(grid.points[0]) + " x " + std::to_string(grid.points[1]) + " x " + std::to_string(grid.points[2]) +
+                   " vectors, but has only " + std::to_string(body.size()) +
                    " bytes; it is truncated or no FGA file");
   const Vector3d lower = meaning.length_m * numbers.next_vector("the lower bound"),
                  upper = meaning.length_m * numbers.next_vector("the upper bound");
