@@ -93,9 +93,9 @@ dragcore::Model model_of(const dragcore_model& m) {
 
 dragcore_model model_from(const dragcore::Model& model) {
   return {law_from(model.law),
-          static_cast<dragcore_pillow>(model.pillow.form),
+          static_cast<int>(model.pillow.form),
           model.pillow.factor,
-          static_cast<dragcore_falloff>(model.pillow.falloff),
+          static_cast<int>(model.pillow.falloff),
           static_cast<int>(model.quadrature),
           model.effects.bits()};
 }

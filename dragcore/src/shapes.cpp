@@ -22,6 +22,8 @@ template <class... Ts>
 struct Overload : Ts... {
   using Ts::operator()...;
 };
+template <class... Ts>
+Overload(Ts...) -> Overload<Ts...>;  // clang 14 cannot deduce an aggregate's arguments
 
 void require(bool good, const char* shape, const char* parameter, double value, const char* needed) {
   if (good && std::isfinite(value)) return;

@@ -246,7 +246,8 @@ TEST_CASE("an HDF5 field file without checksums on its structure is refused befo
     return folder.path / name;
   };
   CHECK(read_field_hdf5(make("good.h5", false, false)).velocity(Vector3d(0.5, 0.5, 0.5)) == Vector3d(1, 2, 3));
-  CHECK_THROWS_WITH(read_field_hdf5(make("old.h5", true, false)), Contains("its superblock is damaged, or of HDF5's oldest format") && Contains("libver='v110'"));
+  CHECK_THROWS_WITH(read_field_hdf5(make("old.h5", true, false)),
+                    Contains("its superblock is damaged, or of HDF5's oldest format") && Contains("libver='v110'"));
   CHECK_THROWS_WITH(read_field_hdf5(make("texts.h5", false, true)), Contains("attribute schema is a text of variable length") && Contains("numpy.bytes_"));
 
   // A root or a dataset that has become one of the oldest format: its first byte is the version then.

@@ -81,7 +81,10 @@ TEST_CASE("a law written to a file comes back to the bit", "[dragcore][law_file]
                 .aspect_gain = 999999.99999999988,
                 .aspect_scale = 24.000000000000004,
                 .recovery = 0.99999999999999989};
-  check_round_trip({odd, {{"plain-key_1", "two\nlines, a quote \", a backslash \\, the control characters \x01 and \x7f, \xC3\xBC, \xE2\x86\x92, \xF0\x9F\x8C\xAC"}, {"", "no key"}, {"a b.c", ""}}});
+  check_round_trip({odd,
+                    {{"plain-key_1", "two\nlines, a quote \", a backslash \\, the control characters \x01 and \x7f, \xC3\xBC, \xE2\x86\x92, \xF0\x9F\x8C\xAC"},
+                     {"", "no key"},
+                     {"a b.c", ""}}});
 
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit;

@@ -30,7 +30,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
         const double size_of_sums = parts.force.colwise().norm().sum() * moves.norm() + parts.torque.colwise().norm().sum() * turning.angular_velocity.norm();
         // Rounding of some hundred terms, which may cancel.
         const double power = total.force.dot(moves) + total.torque.dot(turning.angular_velocity);
-        fuzz::check(!(power > 1e-12 * size_of_sums), "a law takes no energy from the air, but power = " + std::to_string(power) + " W of " + std::to_string(size_of_sums));
+        fuzz::check(!(power > 1e-12 * size_of_sums),
+                    "a law takes no energy from the air, but power = " + std::to_string(power) + " W of " + std::to_string(size_of_sums));
       } catch (const std::overflow_error&) {  // coefficients of 1e308
       }
     }

@@ -57,9 +57,9 @@ typedef enum dragcore_falloff { DRAGCORE_FALLOFF_CIRCULAR = 0, DRAGCORE_FALLOFF_
 
 typedef struct dragcore_model {
   dragcore_law law;
-  dragcore_pillow pillow;
+  int pillow; /* one of enum dragcore_pillow; int, since C lets any number into an enum and C++ none */
   double pillow_factor;
-  dragcore_falloff falloff;
+  int falloff; /* one of enum dragcore_falloff */
   int quadrature;   /* points per triangle where the velocity varies over it: 1, 3 or 6, or 0 for adaptive */
   unsigned effects; /* DRAGCORE_ALL_EFFECTS, or the bits of those to evaluate */
 } dragcore_model;

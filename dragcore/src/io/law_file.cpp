@@ -192,7 +192,8 @@ std::string to_toml(const LawFile& file) {
 
 LawFile parse_law(std::string_view text, const std::string& name_for_messages) {
   if (text.size() > most_bytes)
-    fail(name_for_messages, "has " + std::to_string(text.size()) + " bytes; a law has less than " + std::to_string(most_bytes) + ". It is another kind of file");
+    fail(name_for_messages,
+         "has " + std::to_string(text.size()) + " bytes; a law has less than " + std::to_string(most_bytes) + ". It is another kind of file");
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // the mark that some editors put before UTF-8
   // The tables of Unicode in toml++ 3.3 have holes: some letters outside of quotes are undefined behaviour.
   if (const auto* odd = std::find_if(text.data(), text.data() + text.size(), [](char c) { return static_cast<unsigned char>(c) >= 0x80; });
