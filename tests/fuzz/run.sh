@@ -25,7 +25,8 @@ for program in "${targets[@]}"; do
   name=${program##*/fuzz_}
   seeds=tests/fuzz/corpus/$name
   mkdir -p "$build/corpus/$name" "$build/found"
-  options=(-max_total_time="$share" -max_len=8192 -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=512 -print_final_stats=1 -artifact_prefix="$build/found/$name-")
+  options=(-max_total_time="$share" -max_len=8192 -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=512 -print_final_stats=1
+    -artifact_prefix="$build/found/$name-")
   [[ ! -e tests/fuzz/$name.dict ]] || options+=(-dict="tests/fuzz/$name.dict")
   result=clean
   "$program" "${options[@]}" "$build/corpus/$name" "$seeds" > "$build/found/$name.log" 2>&1 || { result="BROKEN, see $build/found/$name.log"; status=1; }

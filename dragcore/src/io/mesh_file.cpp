@@ -128,8 +128,8 @@ void split(const std::vector<Eigen::Vector3d>& vertices, std::vector<int> corner
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) triangles.emplace_back(corners[0], corners[i], corners[i + 1]);
 }
 
-/// Vertices and faces of an OBJ file; all else in it is of no account. Not left to assimp 5.2, which writes outside of its memory where indices do
-/// not fit the vertices (tests/fuzz/corpus/obj), and covers an L with more than its area.
+/// Vertices and faces of an OBJ file; all else in it is of no account. Not left to assimp 5.2: it opens whatever file an OBJ file names,
+/// can write outside of its memory when given the bytes instead (tests/fuzz/corpus/obj), and covers an L with more than its area.
 TriangleMesh read_obj(const std::filesystem::path& file, std::string_view bytes) {
   // The time that cutting ears takes grows with the square of the corners, with their cube at worst.
   constexpr std::size_t most_corners = 2000;
