@@ -4,6 +4,7 @@
 #include <dragcore/drag.hpp>
 #include <dragcore/stepping.hpp>
 #include <exception>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 
@@ -47,30 +48,29 @@ dragcore::Motion motion_of(const dragcore_motion& m) {
   return {vector(m.wind), vector(m.velocity), vector(m.angular_velocity), vector(m.reference_point), Eigen::Map<const RowMajor3d>(m.wind_gradient), {}};
 }
 
-dragcore::Law law_of(const dragcore_law& l) {
+/// Every number of a law, either way between its two structs.
+template <class From, class To>
+void copy_numbers(const From& from, To& to) {
+  std::copy(std::begin(from.windward), std::end(from.windward), std::begin(to.windward));
+  std::copy(std::begin(from.leeward), std::end(from.leeward), std::begin(to.leeward));
+  to.friction = from.friction;
+  to.base_suction = from.base_suction, to.base_edge = from.base_edge;
+  to.aspect_gain = from.aspect_gain, to.aspect_scale = from.aspect_scale;
+  to.recovery = from.recovery, to.recovery_depth = from.recovery_depth, to.recovery_edge = from.recovery_edge;
+  to.shelter = from.shelter;
+  to.curvature = from.curvature;
+}
+
+dragcore::Law law_of(const dragcore_law& given) {
   dragcore::Law law{.name = "given"};
-  std::copy(l.windward, l.windward + 5, law.windward.begin());
-  std::copy(l.leeward, l.leeward + 5, law.leeward.begin());
-  law.friction = l.friction;
-  law.base_suction = l.base_suction, law.base_edge = l.base_edge;
-  law.aspect_gain = l.aspect_gain, law.aspect_scale = l.aspect_scale;
-  law.recovery = l.recovery, law.recovery_depth = l.recovery_depth, law.recovery_edge = l.recovery_edge;
-  law.shelter = l.shelter;
-  law.curvature = l.curvature;
+  copy_numbers(given, law);
   return law;
 }
 
 dragcore_law law_from(const dragcore::Law& law) {
-  dragcore_law l{};
-  std::copy(law.windward.begin(), law.windward.end(), l.windward);
-  std::copy(law.leeward.begin(), law.leeward.end(), l.leeward);
-  l.friction = law.friction;
-  l.base_suction = law.base_suction, l.base_edge = law.base_edge;
-  l.aspect_gain = law.aspect_gain, l.aspect_scale = law.aspect_scale;
-  l.recovery = law.recovery, l.recovery_depth = law.recovery_depth, l.recovery_edge = law.recovery_edge;
-  l.shelter = law.shelter;
-  l.curvature = law.curvature;
-  return l;
+  dragcore_law numbers{};
+  copy_numbers(law, numbers);
+  return numbers;
 }
 
 dragcore::Model model_of(const dragcore_model& m) {

@@ -21,7 +21,7 @@ Descriptors describe(const Surface& surface, const Eigen::Vector3d& direction);
 
 /// chi in [0, 1]: how much a triangle's surroundings curve along a tangential direction of length t <= 1 [-].
 /// Has no limit at t = 0, where it is 0: the law multiplies it by t^2.
-/// 0 on flat faces and along the generators of cones and cylinders, 0.94 on a ball.
+/// 0 on flat faces and along the generators of cones and cylinders, 0.90 on a ball.
 double curvature_along(const Surface& surface, Eigen::Index triangle, const Eigen::Vector3d& tangential);
 
 }  // namespace dragcore

@@ -36,7 +36,7 @@ struct Model {
   Pillow pillow{};
   Quadrature quadrature = Quadrature::three;
   Effects effects = Effects::all();
-  /// Refuses input and results that are not finite: about 20 ns a call. Without it such values pass through to the result, and nothing worse happens.
+  /// Refuses input and results that are not finite. Without it such values pass through to the result, and nothing worse happens.
   bool check = true;
 };
 

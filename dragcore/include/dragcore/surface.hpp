@@ -25,7 +25,7 @@ class Surface {
 
   /// @param mesh   body frame; wound outwards when closed
   /// @param sides  `two` for sheets: both faces of every triangle feel the air
-  /// @throws std::invalid_argument  as validate(mesh) does; for a closed mesh that is inside out, or one with inconsistent winding and one side:
+  /// @throws std::invalid_argument  as validate(mesh) does; for a closed one-sided mesh that is inside out, or one with inconsistent winding and one side:
   ///                                the message says how to repair it
   explicit Surface(const TriangleMesh& mesh, Sides sides = Sides::one);
 
