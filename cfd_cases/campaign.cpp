@@ -11,6 +11,7 @@
 #include <exception>
 #include <map>
 #include <mutex>
+#include <set>
 #include <thread>
 
 #include "cfd_cases/case_key.hpp"
@@ -101,20 +102,33 @@ class Display {
 }  // namespace
 
 std::vector<PlannedCase> plan(const Matrix& matrix, const Tools& tools, const Cache& cache, const RunStore& store,
-                              const std::string& only) {
+                              const std::string& only, const std::map<std::string, CaseRecord>& known) {
   std::vector<PlannedCase> cases;
   std::map<std::string, std::pair<double, int>> costs;  // sum and number of stored costs, by likeness
   const auto like = [](const CaseSpec& spec) { return spec.flow_model + " " + spec.mesh_level; };
   for (const CaseSpec& spec : matrix.cases) {
     if (!only.empty() && fnmatch(only.c_str(), spec.name.c_str(), 0) != 0 && spec.name.find(only) == std::string::npos) continue;
     PlannedCase planned{.spec = spec, .identity = identify(spec, tools), .cached = {}, .predicted_cpu_s = 0.0, .prediction = {}};
-    if (const fs::path run = cache.run(planned.identity.key); fs::exists(run)) planned.cached = store.read(run);
+    if (const fs::path run = cache.run(planned.identity.key); fs::exists(run))
+      planned.cached = store.read(run);
+    else if (const auto found = known.find(planned.identity.key); found != known.end())
+      planned.cached = found->second;
     if (planned.cached && case_record::is_usable(planned.cached->status))
       for (const std::string& key : {like(spec), like(spec) + " " + dragcore::kind(spec.shape)}) {
         costs[key].first += total_cpu_s(*planned.cached);
         costs[key].second += 1;
       }
     cases.push_back(std::move(planned));
+  }
+  // A case comes after the one that it starts from: backwards, whoever must be solved again for its fields asks for its own start, too.
+  std::map<std::string, PlannedCase*> by_key;
+  for (PlannedCase& planned : cases) by_key[planned.identity.key] = &planned;
+  for (auto planned = cases.rbegin(); planned != cases.rend(); ++planned) {
+    const std::string& start = planned->identity.start_key;
+    const auto found = by_key.find(start);
+    if (start.empty() || found == by_key.end()) continue;
+    found->second->keep_fields = true;
+    if (planned->to_solve(false) && !fs::exists(cache.fields(start))) found->second->fields_missing = true;
   }
   for (PlannedCase& planned : cases) {
     planned.predicted_cpu_s = default_cpu_s(planned.spec);
@@ -134,11 +148,13 @@ CampaignResult run_campaign(const std::vector<PlannedCase>& cases, const Tools& 
   CampaignResult result;
   std::mutex mutex;  // guards result, queue, failure
   std::deque<const PlannedCase*> queue;
+  std::set<std::string> open;  // keys of cases that are not done yet: what starts from them waits
   std::exception_ptr failure;
   double predicted = 0.0;
   for (const PlannedCase& planned : cases) {
     if (planned.to_solve(options.retry_failed)) {
       queue.push_back(&planned);
+      open.insert(planned.identity.key);
       predicted += planned.predicted_cpu_s;
       continue;
     }
@@ -160,11 +176,11 @@ CampaignResult run_campaign(const std::vector<PlannedCase>& cases, const Tools& 
     if (fs::exists(target)) {
       record = store.read(target);
       const bool the_old_one = planned.cached && record->finished == planned.cached->finished;
-      if (the_old_one || (options.retry_failed && !case_record::is_usable(record->status))) record.reset();
+      if (the_old_one || (planned.fields_missing && !fs::exists(cache.fields(key))) || (options.retry_failed && !case_record::is_usable(record->status))) record.reset();
     }
     const bool solved_here = !record;
     if (solved_here) {
-      record = solve_case(planned.spec, planned.identity, tools, cache, options.ranks, cancel,
+      record = solve_case(planned.spec, planned.identity, tools, cache, options.ranks, planned.keep_fields, cancel,
                           [&](const Progress& at) { display.update(planned.spec.name, at); });
       store.write(target, *record);
       if (case_record::is_usable(record->status) && !options.keep) fs::remove_all(cache.work(key));
@@ -181,11 +197,22 @@ CampaignResult run_campaign(const std::vector<PlannedCase>& cases, const Tools& 
       {
         const std::lock_guard guard(mutex);
         if (cancel || failure || queue.empty()) return;
-        next = queue.front();
-        queue.pop_front();
+        const auto ready = std::find_if(queue.begin(), queue.end(), [&](const auto* planned) { return !open.contains(planned->identity.start_key); });
+        if (ready != queue.end()) {
+          next = *ready;
+          queue.erase(ready);
+        }
+      }
+      if (!next) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        continue;
       }
       try {
-        if (solve(*next)) continue;
+        if (solve(*next)) {
+          const std::lock_guard guard(mutex);
+          open.erase(next->identity.key);
+          continue;
+        }
         // Held by another campaign: to the end of the queue. The pause keeps a queue of nothing else from spinning.
         display.update(next->spec.name, {"waits for another campaign"});
         std::this_thread::sleep_for(std::chrono::milliseconds(300));

@@ -4,6 +4,7 @@
 #include <compare/case_record/case_record.hpp>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,15 +28,20 @@ struct PlannedCase {
   std::optional<case_record::CaseRecord> cached;
   double predicted_cpu_s = 0.0;  ///< of all stages, if it has to be solved
   std::string prediction;        ///< what the prediction rests on
+  bool keep_fields = false;      ///< a case of the matrix starts from its fields
+  bool fields_missing = false;   ///< such a case is to be solved, and the fields are not in the cache
 
-  bool to_solve(bool retry_failed) const { return !cached || (retry_failed && !case_record::is_usable(cached->status)); }
+  bool to_solve(bool retry_failed) const {
+    return !cached || fields_missing || (retry_failed && !case_record::is_usable(cached->status));
+  }
 };
 
+/// @param known  cases solved elsewhere, by key: they count as cached, so that a campaign goes on from a committed file of references
 /// @param only  a shell pattern (* ? [...]) on case names, or part of a name; empty for all
 /// Predictions are the mean cost of cached cases with the same flow model, level and shape, then of any shape, then a default measured
 /// once.
 std::vector<PlannedCase> plan(const Matrix& matrix, const Tools& tools, const Cache& cache, const RunStore& store,
-                              const std::string& only = {});
+                              const std::string& only = {}, const std::map<std::string, case_record::CaseRecord>& known = {});
 
 struct CampaignOptions {
   int jobs = 1;   ///< cases side by side

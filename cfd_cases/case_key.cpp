@@ -20,10 +20,20 @@ std::string sha256(const std::string& text) {
 
 CaseIdentity identify(const CaseSpec& spec, const Tools& tools) {
   CaseIdentity id;
-  id.symmetry = find_symmetry(spec.shape, spec.pose.radians());
-  id.recipe.refinement = refinement_of(spec.mesh_level);
-  const nlohmann::json pose{{"incidence_deg", spec.pose.incidence}, {"yaw_deg", spec.pose.yaw}, {"roll_deg", spec.pose.roll}};
-  const nlohmann::json mesh{{"shape", to_json(spec.shape)},       {"pose", pose},
+  id.symmetry = find_symmetry(spec.shape, spec.pose.radians(), spec.spin.direction());
+  id.recipe = spec.recipe;
+  id.recipe.refinement = refinement_of(spec.mesh_level, spec.octree());
+  if (spec.mesh_in_body_frame()) {
+    id.to_wind = spec.pose.radians().rotation();
+    // The half of a mesh that stays with the body is cut along a plane of the body's own axes.
+    const Eigen::Vector3d normal = Eigen::Vector3d::Unit(id.symmetry == Symmetry::plane_z ? 2 : 1);
+    if (!(id.to_wind * normal).isApprox(normal, 1e-12)) id.symmetry = Symmetry::none;
+  }
+  const auto degrees = [](const PoseDegrees& pose) {
+    return nlohmann::json{{"incidence_deg", pose.incidence}, {"yaw_deg", pose.yaw}, {"roll_deg", pose.roll}};
+  };
+  const nlohmann::json pose = degrees(spec.pose), mesh_pose = degrees(spec.mesh_in_body_frame() ? PoseDegrees{} : spec.pose);
+  const nlohmann::json mesh{{"shape", to_json(spec.shape)},       {"pose", mesh_pose},
                             {"symmetry", to_string(id.symmetry)}, {"recipe", to_json(id.recipe)},
                             {"size_factors", kSizeFactors},       {"tools", tools.versions()}};
   id.mesh_description = mesh.dump();
@@ -33,7 +43,7 @@ CaseIdentity identify(const CaseSpec& spec, const Tools& tools) {
   for (const Rung rung : {Rung::standard, Rung::cautious})
     for (const auto& [path, text] : dictionaries(spec, id.symmetry, rung)) files += path + "\n" + text;
   const StopPolicy& s = spec.stop;
-  const nlohmann::json description{{"schema", 1},
+  nlohmann::json description{{"schema", 1},
                                    {"shape", to_json(spec.shape)},
                                    {"pose", pose},
                                    {"reynolds", spec.reynolds},
@@ -52,6 +62,12 @@ CaseIdentity identify(const CaseSpec& spec, const Tools& tools) {
                                      {"floor", s.floor}}},
                                    {"retries", spec.retries},
                                    {"tools", tools.versions()}};
+  // Only where they say something: what was solved before there was a choice keeps its key.
+  if (!spec.spin.axis.empty()) description["spin"] = {{"axis", spec.spin.axis}, {"ratio", spec.spin.ratio}};
+  if (spec.time_accurate())
+    description["time"] = {{"step", spec.time.step}, {"duration", spec.time.duration}, {"discard", spec.time.discard}};
+  if (spec.mesh_in_body_frame()) description["mesh_frame"] = "body";
+  if (spec.start) description["start"] = id.start_key = identify(*spec.start, tools).key;
   id.description = description.dump();
   id.key = sha256(id.description);
   return id;

@@ -13,9 +13,11 @@ namespace cfd_cases {
 /// tool versions. What does not (ranks, host, paths, time-out, tier, held_out, name) is left out.
 struct CaseIdentity {
   Symmetry symmetry = Symmetry::none;
+  Eigen::Matrix3d to_wind = Eigen::Matrix3d::Identity();  ///< from the frame of the mesh
   MeshRecipe recipe;
   std::string mesh_description, mesh_key;  ///< several flows may share a mesh
   std::string description, key;
+  std::string start_key;  ///< of the case it starts from; empty: from uniform flow
 };
 CaseIdentity identify(const CaseSpec& spec, const Tools& tools);
 

@@ -67,12 +67,61 @@ double distance_to(const Vector3d& lower, const Vector3d& upper, const Vector3d&
   return (lower - p).cwiseMax(p - upper).cwiseMax(0.0).norm();
 }
 
+/// The axis square to the symmetry plane of a half model, or -1.
+int halved_axis(const nlohmann::json& request) {
+  const std::string symmetry = request.at("symmetry");
+  return symmetry == "plane_y" ? 1 : symmetry == "plane_z" ? 2 : -1;
+}
+
+void name_patches(const std::map<std::string, std::vector<int>>& patches, int air) {
+  for (const auto& [name, tags] : patches) gmsh::model::setPhysicalName(2, gmsh::model::addPhysicalGroup(2, tags), name);
+  gmsh::model::setPhysicalName(3, gmsh::model::addPhysicalGroup(3, {air}), "air");
+}
+
+/// The uniform grid of cubes of the far size from which an octree is refined: planes of the grid go through the body's centroid.
+void make_base_grid(const nlohmann::json& request, const std::string& output) {
+  const dragcore::Shape shape = cfd_cases::shape_from_json(request.at("shape"));
+  const cfd_cases::MeshRecipe recipe = cfd_cases::recipe_from_json(request.at("recipe"));
+  const double size = recipe.far_size * cfd_cases::body_scale(shape);
+  const int halved = halved_axis(request), lee = halved == 2 ? 1 : 2;
+  const auto cells = [&](double length) { return static_cast<int>(std::lround(length / recipe.far_size)); };
+  int below[3] = {cells(recipe.upstream), cells(recipe.sideways), cells(recipe.sideways)};
+  int above[3] = {cells(recipe.downstream), cells(recipe.sideways), cells(recipe.sideways)};
+  // The wind turns towards +z by incidence, towards -y by yaw.
+  (lee == 2 ? above[2] : below[1]) = cells(recipe.downstream);
+  if (halved >= 0) below[halved] = 0;
+  occ::addBox(-below[0] * size, -below[1] * size, -below[2] * size, (below[0] + above[0]) * size, (below[1] + above[1]) * size,
+              (below[2] + above[2]) * size);
+  occ::synchronize();
+  Entities curves, faces, air;
+  gmsh::model::getEntities(curves, 1);
+  gmsh::model::getEntities(faces, 2);
+  gmsh::model::getEntities(air, 3);
+  Vector3d a, b;
+  for (const auto& [dim, tag] : curves) {
+    gmsh::model::getBoundingBox(dim, tag, a.x(), a.y(), a.z(), b.x(), b.y(), b.z());
+    gmsh::model::mesh::setTransfiniteCurve(tag, static_cast<int>(std::lround((b - a).maxCoeff() / size)) + 1);
+  }
+  std::map<std::string, std::vector<int>> patches;
+  for (const auto& [dim, tag] : faces) {
+    gmsh::model::mesh::setTransfiniteSurface(tag);
+    gmsh::model::mesh::setRecombine(dim, tag);
+    gmsh::model::getBoundingBox(dim, tag, a.x(), a.y(), a.z(), b.x(), b.y(), b.z());
+    const bool in_symmetry = halved >= 0 && std::abs(a[halved]) < 1e-3 * size && std::abs(b[halved]) < 1e-3 * size;
+    patches[in_symmetry ? "symmetry" : "farfield"].push_back(tag);
+  }
+  gmsh::model::mesh::setTransfiniteVolume(air.at(0).second);
+  name_patches(patches, air.at(0).second);
+  gmsh::option::setNumber("Mesh.MshFileVersion", 2.2);
+  gmsh::model::mesh::generate(3);
+  gmsh::write(output);
+}
+
 void make_mesh(const nlohmann::json& request, const std::string& output) {
   const dragcore::Shape shape = cfd_cases::shape_from_json(request.at("shape"));
   const cfd_cases::MeshRecipe recipe = cfd_cases::recipe_from_json(request.at("recipe"));
   const auto angle = [&](const char* name) { return request.at("pose").at(name).get<double>() * std::numbers::pi / 180.0; };
   const dragcore::Pose pose{angle("incidence_deg"), angle("yaw_deg"), angle("roll_deg")};
-  const std::string symmetry = request.at("symmetry");
   const double scale = cfd_cases::body_scale(shape);
   const auto properties = dragcore::properties(shape);
 
@@ -87,13 +136,25 @@ void make_mesh(const nlohmann::json& request, const std::string& output) {
 
   Vector3d inlet = lower - scale * Vector3d(recipe.upstream, recipe.sideways, recipe.sideways);
   const Vector3d outlet = upper + scale * Vector3d(recipe.downstream, recipe.sideways, recipe.sideways);
-  const int halved = symmetry == "plane_y" ? 1 : symmetry == "plane_z" ? 2 : -1;
+  const int halved = halved_axis(request);
   if (halved >= 0) inlet[halved] = 0.0;
   const Vector3d extent = outlet - inlet;
-  const int box = occ::addBox(inlet.x(), inlet.y(), inlet.z(), extent.x(), extent.y(), extent.z());
+  const double radius = scale * recipe.far_radius;
   Entities air;
   std::vector<Entities> origins;
-  occ::cut({{3, box}}, {{3, body}}, air, origins);
+  int whole = 0;
+  if (radius == 0.0) {
+    whole = occ::addBox(inlet.x(), inlet.y(), inlet.z(), extent.x(), extent.y(), extent.z());
+  } else {
+    Vector3d corner = Vector3d::Constant(-2.0 * radius);
+    if (halved >= 0) corner[halved] = 0.0;
+    Entities half;
+    const Vector3d edges = Vector3d::Constant(2.0 * radius) - corner;
+    const int ball = occ::addSphere(0, 0, 0, radius), block = occ::addBox(corner.x(), corner.y(), corner.z(), edges.x(), edges.y(), edges.z());
+    occ::intersect({{3, ball}}, {{3, block}}, half, origins);
+    whole = half.at(0).second;
+  }
+  occ::cut({{3, whole}}, {{3, body}}, air, origins);
   occ::synchronize();
   if (air.size() != 1 || air[0].first != 3)
     throw std::runtime_error("cutting the body out of the air left " + std::to_string(air.size()) + " regions, needed 1");
@@ -107,6 +168,14 @@ void make_mesh(const nlohmann::json& request, const std::string& output) {
     Vector3d a, b;
     gmsh::model::getBoundingBox(dim, tag, a.x(), a.y(), a.z(), b.x(), b.y(), b.z());
     std::string patch = "body";
+    if (radius > 0.0) {
+      if (halved >= 0 && std::abs(a[halved]) < eps && std::abs(b[halved]) < eps)
+        patch = "symmetry";
+      else if (std::max(a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff()) > 0.5 * radius)
+        patch = "farfield";
+      patches[patch].push_back(tag);
+      continue;
+    }
     for (int axis = 0; axis < 3; ++axis) {
       if (std::abs(a[axis] - inlet[axis]) < eps && std::abs(b[axis] - inlet[axis]) < eps)
         patch = axis == 0 ? "inlet" : axis == halved ? "symmetry" : "sides";
@@ -114,8 +183,7 @@ void make_mesh(const nlohmann::json& request, const std::string& output) {
     }
     patches[patch].push_back(tag);
   }
-  for (const auto& [name, tags] : patches) gmsh::model::setPhysicalName(2, gmsh::model::addPhysicalGroup(2, tags), name);
-  gmsh::model::setPhysicalName(3, gmsh::model::addPhysicalGroup(3, {air[0].second}), "air");
+  name_patches(patches, air[0].second);
 
   // The size is a function of the place alone, so that the half of a symmetric case is the half of its whole.
   const Eigen::Matrix3d to_body = pose.rotation().transpose();
@@ -134,6 +202,12 @@ void make_mesh(const nlohmann::json& request, const std::string& output) {
        {"Mesh.CharacteristicLengthExtendFromBoundary", "Mesh.CharacteristicLengthFromPoints", "Mesh.CharacteristicLengthFromCurvature"})
     gmsh::option::setNumber(source, 0);
   gmsh::option::setNumber("Mesh.MshFileVersion", 2.2);
+  if (recipe.seed != 0.0) {
+    // The generator shakes its points by 1e-9 to avoid degenerate ones; 1e-3 of a cell makes another triangulation of the same sizes.
+    gmsh::option::setNumber("Mesh.RandomSeed", recipe.seed);
+    gmsh::option::setNumber("Mesh.RandomFactor", 1e-3);
+    gmsh::option::setNumber("Mesh.RandomFactor3D", 1e-6);
+  }
   gmsh::model::mesh::generate(3);
   gmsh::write(output);
 }
@@ -159,7 +233,8 @@ int main(int argc, char** argv) {
     const auto request = nlohmann::json::parse(file);
     gmsh::initialize(0, nullptr, false);  // no option files of the user: they would change the mesh
     gmsh::option::setNumber("General.Verbosity", 3);
-    make_mesh(request, argv[2]);
+    const bool octree = cfd_cases::recipe_from_json(request.at("recipe")).hexahedra != 0.0;
+    (octree ? make_base_grid : make_mesh)(request, argv[2]);
     gmsh::finalize();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "cfd_mesh: %s\n", error.what());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 namespace cfd_cases {
 
@@ -27,6 +28,24 @@ Channels trend(const Series& block) {
   return block * t.transpose() / t.squaredNorm();
 }
 
+Verdict hopeless_case(Status status, std::string reason) { return {.status = status, .reason = std::move(reason), .stop = true}; }
+
+/// What no further iteration mends: no forces at the end, or forces that nobody can believe.
+std::optional<Verdict> give_up_early(const std::vector<Channels>& series, int start, double plausible, bool ended, bool still_air) {
+  const auto n = static_cast<Eigen::Index>(series.size());
+  if (n == 0) return ended ? std::optional(hopeless_case(Status::failed, "the solver wrote no forces")) : std::nullopt;
+  const Channels& now = series.back();
+  for (int c = 0; c < 6; ++c) {
+    // The impulsive start throws forces a hundred times too large: only what lasts beyond it is a divergence.
+    if (!std::isfinite(now[c]) || ((ended || n > start) && std::abs(now[c]) > (ended ? 1.0 : 100.0) * plausible))
+      return hopeless_case(Status::diverged, fmt::format("{} = {:.4g} after {} iterations, plausible is up to {:.3g}",
+                                                         kChannelNames[static_cast<std::size_t>(c)], now[c], n, plausible));
+  }
+  if (ended && !still_air && now[0] <= 0.0)
+    return hopeless_case(Status::diverged, fmt::format("C_D = {:.4g} after {} iterations, but the air cannot pull a body upwind", now[0], n));
+  return std::nullopt;
+}
+
 }  // namespace
 
 double standard_error(const Eigen::VectorXd& series) {
@@ -43,34 +62,16 @@ double standard_error(const Eigen::VectorXd& series) {
   return std::sqrt(variance * 2.0 * tau / static_cast<double>(n - 1));
 }
 
-Verdict judge(const std::vector<Channels>& series, const StopPolicy& policy, double plausible, bool ended) {
+Verdict judge(const std::vector<Channels>& series, const StopPolicy& policy, double plausible, bool ended, bool still_air) {
+  if (auto hopeless = give_up_early(series, policy.window, plausible, ended, still_air)) return *hopeless;
   Verdict verdict;
   const auto n = static_cast<Eigen::Index>(series.size());
-  const auto give_up = [&](Status status, std::string reason) {
-    verdict.status = status;
-    verdict.reason = std::move(reason);
-    verdict.stop = true;
-    return verdict;
-  };
-  if (n == 0) {
-    if (ended) return give_up(Status::failed, "the solver wrote no forces");
-    return verdict;
-  }
-  const Channels& now = series.back();
-  for (int c = 0; c < 6; ++c) {
-    // The impulsive start throws forces a hundred times too large: only what lasts beyond the first window is a divergence.
-    if (!std::isfinite(now[c]) || ((ended || n > policy.window) && std::abs(now[c]) > (ended ? 1.0 : 100.0) * plausible))
-      return give_up(Status::diverged, fmt::format("{} = {:.4g} after {} iterations, plausible is up to {:.3g}",
-                                                   kChannelNames[static_cast<std::size_t>(c)], now[c], n, plausible));
-  }
-  if (ended && now[0] <= 0.0)
-    return give_up(Status::diverged,
-                   fmt::format("C_D = {:.4g} after {} iterations, but a body at rest cannot be pulled upwind", now[0], n));
-  if (!ended && n < policy.min_iterations) return verdict;
+  if (n == 0 || (!ended && n < policy.min_iterations)) return verdict;
 
   const Eigen::Index window = std::min<Eigen::Index>(policy.window, n);
   const Series recent = last(series, window);
-  const double scale = std::max(std::abs(recent.row(0).mean()), policy.floor), allowed = policy.tolerance * scale;
+  const double scale = still_air ? recent.bottomRows<3>().rowwise().mean().norm() : std::max(std::abs(recent.row(0).mean()), policy.floor);
+  const double allowed = policy.tolerance * scale;
   const Channels spread = recent.rowwise().maxCoeff() - recent.rowwise().minCoeff();
   const Channels drift = trend(recent).cwiseAbs();
   if (n >= policy.min_iterations && spread.maxCoeff() <= allowed && drift.maxCoeff() <= allowed) {
@@ -105,12 +106,27 @@ Verdict judge(const std::vector<Channels>& series, const StopPolicy& policy, dou
   if (ended) {
     Eigen::Index worst = 0;
     const double largest = spread.maxCoeff(&worst);
-    return give_up(
+    return hopeless_case(
         Status::drifting,
         fmt::format(
             "{} still moves by {:.2g} within {} iterations after {} of them, allowed is {:.2g}: raise max_iterations, or use a finer mesh",
             kChannelNames[static_cast<std::size_t>(worst)], largest, window, n, allowed));
   }
+  return verdict;
+}
+
+Verdict judge_in_time(const std::vector<Channels>& series, std::size_t discard, double plausible, bool ended) {
+  if (auto hopeless = give_up_early(series, static_cast<int>(discard), plausible, ended, false)) return *hopeless;
+  Verdict verdict;
+  if (!ended) return verdict;
+  if (series.size() < discard + 4)
+    return hopeless_case(Status::drifting, fmt::format("ended after {} steps, of which {} are no part of the mean", series.size(), discard));
+  const auto n = static_cast<Eigen::Index>(series.size() - discard), half = n / 2;
+  const Series kept = last(series, n);
+  const Channels difference = (kept.rightCols(half).rowwise().mean() - kept.leftCols(half).rowwise().mean()).cwiseAbs();
+  verdict.status = Status::statistically_steady;
+  verdict.averaged_over = static_cast<int>(n);
+  for (int c = 0; c < 6; ++c) verdict.u_statistical[c] = std::max(standard_error(kept.row(c).transpose()), 0.5 * difference[c]);
   return verdict;
 }
 

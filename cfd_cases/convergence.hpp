@@ -40,6 +40,12 @@ struct Verdict {
 ///
 /// @param plausible  largest believable size of a coefficient
 /// @param ended      the run is over: judge what there is
-Verdict judge(const std::vector<Channels>& series, const StopPolicy& policy, double plausible, bool ended);
+/// @param still_air  the body spins without wind: its moment takes the place of C_D, and must not be zero
+Verdict judge(const std::vector<Channels>& series, const StopPolicy& policy, double plausible, bool ended, bool still_air = false);
+
+/// Judges a time-accurate run, one set of channels per time step. It ends when its time is over; the mean of what comes after `discard`
+/// steps is the result, statistically_steady. u_statistical is the larger of its standard error and half the difference of the means of its
+/// halves, which knows of slow drifts. diverged: as above.
+Verdict judge_in_time(const std::vector<Channels>& series, std::size_t discard, double plausible, bool ended);
 
 }  // namespace cfd_cases

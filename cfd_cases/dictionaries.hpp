@@ -21,8 +21,19 @@ enum class Rung { standard, cautious };
 std::string to_string(Rung rung);
 Numerics numerics_on(Rung rung, const Numerics& asked);
 
-/// The files of a simpleFoam case but its mesh, by path in the case folder. Patches: inlet, outlet, sides, body and, in a half model,
-/// symmetry. The body's force and moment (about the origin, its centroid) are written at every iteration. A file named "stop" in the case
+/// What the air and the body do, in the frame of the mesh.
+struct Flow {
+  Eigen::Vector3d wind = Eigen::Vector3d::Zero();              ///< [m/s]
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< [rad/s]
+};
+Flow flow_of(const CaseSpec& spec);
+
+/// "simpleFoam", or "pimpleFoam" where the case is time-accurate.
+std::string solver_of(const CaseSpec& spec);
+
+/// The files of a case but its mesh, by path in the case folder. Patches: inlet, outlet, sides (a box of air) or farfield (a ball, an
+/// octree), body and, in a half model, symmetry. A body that spins in still air is solved in its rotating frame (MRF, a ball of cells), one
+/// that spins in a wind with a mesh that turns as a whole. The body's force and moment (about the origin, its centroid) are written at every iteration. A file named "stop" in the case
 /// folder makes the solver do one more iteration, write its fields and end.
 std::map<std::string, std::string> dictionaries(const CaseSpec& spec, Symmetry symmetry, Rung rung);
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
 
@@ -28,10 +29,16 @@ class Table {
     throw ConfigurationError(fmt::format("{}:{}:{}: {}", file.string(), at.begin.line, at.begin.column, message));
   }
   [[noreturn]] void fail(const toml::node& at, const std::string& message) const { fail(file_, at.source(), message); }
+  [[noreturn]] void fail(const std::string& message) const { fail(table_, message); }
 
   const toml::node* find(const char* key) {
     known_.emplace_back(key);
     return table_.get(key);
+  }
+  const toml::table* subtable(const char* key) {
+    const auto* node = find(key);
+    if (node && !node->is_table()) fail(*node, fmt::format("{} must be a table", key));
+    return node ? node->as_table() : nullptr;
   }
   void number(const char* key, double& value, double lowest, double highest) {
     if (const auto* node = find(key)) value = number(*node, key, lowest, highest);
@@ -119,6 +126,8 @@ struct Sweep {
   CaseSpec common;
   std::vector<double> incidence{0.0}, yaw{0.0}, roll{0.0}, reynolds{1e5};
   std::vector<std::string> levels{"medium"};
+  std::string start;   ///< name of the case that the first one starts from
+  bool chain = false;  ///< each case starts from the one before it
 };
 
 void read_numerics(Table table, Numerics& numerics) {
@@ -129,7 +138,20 @@ void read_numerics(Table table, Numerics& numerics) {
   table.word("gradient", numerics.gradient, {"unlimited", "cell_limited"});
   table.number("turbulence_intensity", numerics.turbulence_intensity, 1e-4, 0.3);
   table.number("viscosity_ratio", numerics.viscosity_ratio, 1e-3, 1000.0);
+  table.word("wall", numerics.wall, {"spalding", "log_law", "low_re"});
   table.reject_unknown("[numerics]");
+}
+
+void read_recipe(Table table, MeshRecipe& recipe) {
+  for (const auto& [name, value] : recipe_lengths(recipe)) table.number(name, *value, 1e-4, 1000.0);
+  table.reject_unknown("recipe");
+}
+
+void read_time(Table table, TimeSpan& time) {
+  table.number("step", time.step, 1e-6, 1.0);
+  table.number("duration", time.duration, 1e-3, 1e5);
+  table.number("discard", time.discard, 0.0, 1e5);
+  table.reject_unknown("time");
 }
 
 /// Keys that both [defaults] and a [[sweep]] may hold.
@@ -138,16 +160,58 @@ void read_common(Table& table, const fs::path& file, Sweep& sweep) {
   table.numbers("yaw_deg", sweep.yaw, -180.0, 180.0);
   table.numbers("roll_deg", sweep.roll, -180.0, 180.0);
   table.numbers("reynolds", sweep.reynolds, 0.1, 1e9);
-  table.word("flow_model", sweep.common.flow_model, {"laminar", "k_omega_sst"});
+  table.word("flow_model", sweep.common.flow_model, {"laminar", "k_omega_sst", "k_omega_sst_ddes"});
   table.words("mesh", sweep.levels, {"coarse", "medium", "fine", "finest"});
   table.flag("held_out", sweep.common.held_out);
   table.integer("retries", sweep.common.retries, 0, 1);
   table.integer("max_iterations", sweep.common.stop.max_iterations, 10, 100000);
   table.number("timeout_s", sweep.common.timeout_s, 0.1, 1e6);
-  if (const auto* node = table.find("numerics")) {
-    if (!node->is_table()) table.fail(*node, "numerics must be a table");
-    read_numerics(Table(*node->as_table(), file), sweep.common.numerics);
+  if (const auto* numerics = table.subtable("numerics")) read_numerics(Table(*numerics, file), sweep.common.numerics);
+  if (const auto* time = table.subtable("time")) read_time(Table(*time, file), sweep.common.time);
+  if (!(sweep.common.time.discard < sweep.common.time.duration))
+    table.fail(fmt::format("time: discard = {} must be below duration = {}", sweep.common.time.discard, sweep.common.time.duration));
+}
+
+/// Mesh and motion, which belong to one sweep.
+void read_special(Table& table, const fs::path& file, Sweep& sweep) {
+  CaseSpec& spec = sweep.common;
+  std::string mesher = "polyhedra", air = "box";
+  table.word("mesher", mesher, {"polyhedra", "octree"});
+  table.word("air", air, {"box", "round"});
+  table.flag("turn_wind", spec.turn_wind);
+  table.word("spin", spec.spin.axis);
+  table.number("spin_ratio", spec.spin.ratio, 1e-3, 1000.0);
+  table.flag("chain", sweep.chain);
+  table.word("start", sweep.start);
+  if (mesher == "octree") {
+    spec.recipe = octree_recipe();
+    try {
+      flat_half_extent(spec.shape);
+    } catch (const std::invalid_argument& error) {
+      table.fail(error.what());
+    }
   }
+  int seed = 0;
+  table.integer("mesh_seed", seed, 0, 1000000);
+  spec.recipe.seed = seed;
+  const bool spins = !spec.spin.axis.empty();
+  if (spins && (spec.spin.axis.find_first_not_of("xyz") != std::string::npos || spec.spin.direction().isZero()))
+    table.fail(fmt::format("spin = \"{}\" is no axis: use \"x\", \"z\", \"xy\", \"xyz\", ...", spec.spin.axis));
+  if (!spins && spec.spin.ratio > 0.0) table.fail("spin_ratio needs spin = \"x\", \"z\", \"xyz\", ...");
+  if (spins && mesher == "octree") table.fail("a spinning body needs a round mesh: mesher = \"polyhedra\"");
+  // A box of air has an inlet, which must face the wind; a ball may turn.
+  if (air == "round" || spins || (spec.turn_wind && mesher != "octree")) spec.recipe.far_radius = 8.0;
+  const MeshRecipe usual = spec.recipe;
+  if (const auto* recipe = table.subtable("recipe")) read_recipe(Table(*recipe, file), spec.recipe);
+  // The usual case of that name would otherwise be replaced in the files of results.
+  const bool unusual = to_json(spec.recipe) != to_json(usual) || spec.numerics != Numerics{} || spec.turn_wind || air == "round" || seed != 0;
+  if (unusual && spec.variant.empty())
+    table.fail("numerics, recipe, air, turn_wind and mesh_seed need variant = \"word\", which tells the cases from the usual ones");
+  for (const std::string& level : sweep.levels) try {
+      refinement_of(level, spec.octree());
+    } catch (const std::invalid_argument& error) {
+      table.fail(error.what());
+    }
 }
 
 dragcore::Shape read_shape(Table& table, const toml::table& sweep) {
@@ -174,6 +238,14 @@ dragcore::Shape read_shape(Table& table, const toml::table& sweep) {
   }
 }
 
+/// The case that a sweep names as its start: one of an earlier sweep.
+std::shared_ptr<const CaseSpec> started_by(const Sweep& sweep, const Table& table, const Matrix& matrix) {
+  if (sweep.start.empty()) return nullptr;
+  for (const CaseSpec& spec : matrix.cases)
+    if (spec.name == sweep.start) return std::make_shared<const CaseSpec>(spec);
+  table.fail(fmt::format("start = \"{}\" is no case of an earlier sweep", sweep.start));
+}
+
 std::string angle_text(double degrees) {
   std::string digits = fmt::format("{:g}", std::abs(degrees));
   const auto whole = std::min(digits.find('.'), digits.size());
@@ -189,6 +261,13 @@ std::string reynolds_text(double reynolds) {
 
 }  // namespace
 
+Eigen::Vector3d Spin::direction() const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const char letter : axis)
+    if (letter >= 'x' && letter <= 'z') sum[letter - 'x'] += 1.0;
+  return sum.normalized();
+}
+
 dragcore::Pose PoseDegrees::radians() const {
   constexpr double radian = std::numbers::pi / 180.0;
   return {.incidence = incidence * radian, .yaw = yaw * radian, .roll = roll * radian};
@@ -201,12 +280,15 @@ std::string case_name(const CaseSpec& spec) {
   for (const auto& [parameter, value] : dragcore::parameters(spec.shape))
     if (const auto usual = defaults.find(parameter); usual == defaults.end() || std::abs(value - usual->second) > 1e-9 * std::abs(value))
       name += fmt::format("-{}-{:g}", parameter, value);
-  const bool turned = spec.pose.yaw != 0.0 || spec.pose.roll != 0.0;
+  const bool turned = spec.pose.yaw != 0.0 || spec.pose.roll != 0.0 || spec.spin.in_still_air();
   if (spec.pose.incidence != 0.0 || !turned) name += "_incidence-" + angle_text(spec.pose.incidence);
   if (spec.pose.yaw != 0.0) name += "_yaw-" + angle_text(spec.pose.yaw);
   if (spec.pose.roll != 0.0) name += "_roll-" + angle_text(spec.pose.roll);
+  if (!spec.spin.axis.empty()) name += "_spin-" + spec.spin.axis + (spec.spin.ratio > 0.0 ? fmt::format("-{:g}", spec.spin.ratio) : "");
   name += "_re-" + reynolds_text(spec.reynolds);
   if (spec.flow_model == "laminar") name += "-laminar";
+  if (spec.flow_model == "k_omega_sst_ddes") name += "-ddes";
+  if (spec.octree()) name += "_octree";
   name += "_" + spec.mesh_level;
   if (!spec.variant.empty()) name += "_" + spec.variant;
   return name;
@@ -243,9 +325,11 @@ Matrix parse_matrix(std::string_view text, const fs::path& file) {
     sweep.common.shape = read_shape(table, entry);
     table.word("variant", sweep.common.variant);
     read_common(table, file, sweep);
+    read_special(table, file, sweep);
     table.reject_unknown("[[sweep]]");
     for (const auto& level : sweep.levels)
-      for (const double reynolds : sweep.reynolds)
+      for (const double reynolds : sweep.reynolds) {
+        std::shared_ptr<const CaseSpec> before = started_by(sweep, table, matrix);
         for (const double roll : sweep.roll)
           for (const double yaw : sweep.yaw)
             for (const double incidence : sweep.incidence) {
@@ -258,8 +342,11 @@ Matrix parse_matrix(std::string_view text, const fs::path& file) {
               if (!is_new)
                 table.fail(node, fmt::format("case {} is there already, from line {}; take it out of one sweep, or give one a `variant`",
                                              spec.name, other->second.line));
+              spec.start = before;
+              if (sweep.chain) before = std::make_shared<const CaseSpec>(spec);
               matrix.cases.push_back(std::move(spec));
             }
+      }
   }
   return matrix;
 }

@@ -29,12 +29,12 @@ std::string contents(const fs::path& file) {
   return text.str();
 }
 
-/// gmshToFoam and polyDualMesh call every patch a "patch"; wall functions need the wall, the half model its symmetry.
+/// gmshToFoam and polyDualMesh call every patch a "patch", subsetMesh a new one "empty"; wall functions need the wall, the half model its symmetry.
 void name_patch_types(const fs::path& boundary) {
   std::string text = contents(boundary);
   text = std::regex_replace(text, std::regex(R"((body\s*\{\s*type\s+)\w+)"), "$1wall");
   text = std::regex_replace(text, std::regex(R"((symmetry\s*\{\s*type\s+)\w+)"), "$1symmetry");
-  text = std::regex_replace(text, std::regex(R"(\s*physicalType\s+\w+;)"), "");
+  text = std::regex_replace(text, std::regex(R"(\s*(physicalType\s+\w+|inGroups\s+1\(empty\));)"), "");
   std::ofstream(boundary) << text;
 }
 
@@ -72,6 +72,32 @@ std::map<std::string, double> read_quality(const std::string& log) {
   return quality;
 }
 
+/// Halves cubes until none is larger than the size field asks for, then takes the body out. Body frame.
+void refine_octree(const CaseSpec& spec, const CaseIdentity& identity, Stages& stages, const fs::path& poly_mesh) try {
+  const OctreeSizes sizes(spec.shape, identity.recipe, identity.symmetry);
+  for (;;) {
+    std::vector<int> too_large;
+    const auto extents = cell_extents(read_poly_mesh(poly_mesh));
+    for (std::size_t cell = 0; cell < extents.size(); ++cell)
+      if (sizes.too_large(extents[cell].lower, extents[cell].upper)) too_large.push_back(static_cast<int>(cell));
+    if (too_large.empty()) break;
+    write_cell_set(poly_mesh, "refine", too_large);
+    stages.run("convert", {"refineHexMesh", "-overwrite", "refine"});
+  }
+  const Eigen::Vector3d half = flat_half_extent(spec.shape);
+  std::vector<int> air;
+  const auto extents = cell_extents(read_poly_mesh(poly_mesh));
+  for (std::size_t cell = 0; cell < extents.size(); ++cell)
+    if (((0.5 * (extents[cell].lower + extents[cell].upper)).cwiseAbs().array() > half.array()).any()) air.push_back(static_cast<int>(cell));
+  write_cell_set(poly_mesh, "air", air);
+  stages.run("convert", {"subsetMesh", "air", "-overwrite", "-patch", "body"});
+  // The history of the refinement is of another mesh now.
+  for (const char* file : {"cellLevel", "pointLevel", "level0Edge", "refinementHistory", "cellZones", "faceZones", "pointZones", "sets"})
+    fs::remove_all(poly_mesh / file);
+} catch (const std::invalid_argument& error) {
+  throw CaseFailure(error.what());
+}
+
 /// One try at the mesh in an empty folder. Returns what checkMesh found wrong, empty when it is fine.
 std::string make_mesh(const CaseSpec& spec, const CaseIdentity& identity, double size_factor, Stages stages, Mesh& mesh,
                       const std::function<void(const char*)>& on_stage) {
@@ -90,12 +116,15 @@ std::string make_mesh(const CaseSpec& spec, const CaseIdentity& identity, double
   const fs::path poly_mesh = folder / "constant/polyMesh";
   stages.run("convert", {"gmshToFoam", "body.msh"});
   name_patch_types(poly_mesh / "boundary");
-  stages.run("convert", {"polyDualMesh", fmt::format("{}", identity.recipe.dual_feature_angle_deg), "-overwrite"});
+  if (spec.octree())
+    refine_octree(spec, identity, stages, poly_mesh);
+  else
+    stages.run("convert", {"polyDualMesh", fmt::format("{}", identity.recipe.dual_feature_angle_deg), "-overwrite"});
   name_patch_types(poly_mesh / "boundary");
   stages.run("convert", {"renumberMesh", "-overwrite"});
   try {
     PolyMesh dual = read_poly_mesh(poly_mesh);
-    if (lift_edge_cells(dual, "body") > 0) write_points(poly_mesh, dual.points);
+    if (!spec.octree() && lift_edge_cells(dual, "body") > 0) write_points(poly_mesh, dual.points);
     const PatchExtent extent = patch_extent(dual, "body");
     const double halves = identity.symmetry == Symmetry::none ? 1.0 : 2.0;
     mesh.cells = dual.cells();
@@ -152,7 +181,7 @@ Mesh stored_mesh(const fs::path& folder) {
 }  // namespace
 
 void Cache::make_folders() const {
-  for (const char* folder : {"runs", "mesh", "work", "lock"}) fs::create_directories(root / folder);
+  for (const char* folder : {"runs", "mesh", "work", "lock", "fields"}) fs::create_directories(root / folder);
 }
 
 Mesh ensure_mesh(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, const fs::path& work,
@@ -169,6 +198,7 @@ Mesh ensure_mesh(const CaseSpec& spec, const CaseIdentity& identity, const Tools
   const fs::path folder = work / "mesh";
   std::string faults;
   for (const double factor : kSizeFactors) {
+    if (spec.octree() && factor != 1.0) break;  // cubes fit the body at this size only
     fs::remove_all(folder);
     faults = make_mesh(spec, identity, factor, {folder, tools, cancel, mesh.cost}, mesh, on_stage);
     if (faults.empty()) break;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -65,6 +66,8 @@ struct Distance {
 
 const std::map<std::string, double> kRefinement{{"coarse", 1.4}, {"medium", 1.0}, {"fine", 1.0 / 1.4}, {"finest", 1.0 / 1.96}};
 
+const std::map<std::string, double> kOctreeRefinement{{"medium", 1.0}, {"fine", 0.5}, {"finest", 0.25}};
+
 /// The recipe's lengths and sizes by name, so that reading and writing cannot disagree.
 template <class Recipe, class Visit>
 void visit_fields(Recipe& r, Visit visit) {
@@ -84,6 +87,13 @@ void visit_fields(Recipe& r, Visit visit) {
   visit("dual_feature_angle_deg", r.dual_feature_angle_deg);
   visit("refinement", r.refinement);
 }
+template <class Recipe, class Visit>
+void visit_options(Recipe& r, Visit visit) {
+  visit("far_radius", r.far_radius);
+  visit("seed", r.seed);
+  visit("hexahedra", r.hexahedra);
+  visit("wake_rise", r.wake_rise);
+}
 
 }  // namespace
 
@@ -91,10 +101,14 @@ std::string to_string(Symmetry symmetry) {
   return symmetry == Symmetry::none ? "none" : symmetry == Symmetry::plane_y ? "plane_y" : "plane_z";
 }
 
-Symmetry find_symmetry(const dragcore::Shape& shape, const dragcore::Pose& pose) {
+Symmetry find_symmetry(const dragcore::Shape& shape, const dragcore::Pose& pose, const Vector3d& spin_axis) {
   const Eigen::Matrix3d to_body = pose.rotation().transpose();
-  if (dragcore::mirror_symmetric(shape, to_body * Vector3d::UnitY())) return Symmetry::plane_y;
-  if (dragcore::mirror_symmetric(shape, to_body * Vector3d::UnitZ())) return Symmetry::plane_z;
+  // The mirror image of a spin is the same spin only about the plane's own normal.
+  const auto allows = [&](const Vector3d& normal) {
+    return dragcore::mirror_symmetric(shape, normal) && spin_axis.cross(normal).norm() <= 1e-12 * spin_axis.norm();
+  };
+  if (allows(to_body * Vector3d::UnitY())) return Symmetry::plane_y;
+  if (allows(to_body * Vector3d::UnitZ())) return Symmetry::plane_z;
   return Symmetry::none;
 }
 
@@ -105,9 +119,61 @@ double body_scale(const dragcore::Shape& shape) {
   return extent[1];
 }
 
-double refinement_of(const std::string& level) {
-  if (const auto found = kRefinement.find(level); found != kRefinement.end()) return found->second;
-  throw std::invalid_argument(fmt::format("mesh level '{}' is unknown: use coarse, medium, fine or finest", level));
+MeshRecipe octree_recipe() {
+  MeshRecipe recipe;
+  recipe.hexahedra = 1.0;
+  recipe.body_size = 0.025;
+  recipe.growth = 0.08;
+  recipe.wake_size = 0.05;
+  recipe.wake_margin = 0.3;
+  recipe.wake_length = 1.0;
+  recipe.wake_rise = 0.5;
+  recipe.outer_size = 0.1;
+  recipe.outer_margin = 0.6;
+  recipe.outer_length = 2.5;
+  recipe.far_size = 1.6;
+  recipe.upstream = recipe.sideways = 8.0;
+  recipe.downstream = 14.4;
+  return recipe;
+}
+
+double refinement_of(const std::string& level, bool octree) {
+  const auto& known = octree ? kOctreeRefinement : kRefinement;
+  if (const auto found = known.find(level); found != known.end()) return found->second;
+  throw std::invalid_argument(fmt::format("mesh level '{}' is unknown{}", level,
+                                          octree ? " for an octree: use medium, fine or finest" : ": use coarse, medium, fine or finest"));
+}
+
+OctreeSizes::OctreeSizes(const dragcore::Shape& shape, const MeshRecipe& recipe, Symmetry symmetry)
+    : shape_(shape), recipe_(recipe), scale_(body_scale(shape)), half_(flat_half_extent(shape)) {
+  // The wind turns towards +z by incidence, towards -y by yaw.
+  lee_ = symmetry == Symmetry::plane_z ? Vector3d(0, -1, 0) : Vector3d(0, 0, 1);
+  const double finest = recipe.body_size * recipe.refinement * scale_;
+  for (const double half : half_)
+    if (const double cells = half / finest; std::abs(cells - std::round(cells)) > 1e-6 || cells < 0.5)
+      throw std::invalid_argument(fmt::format("half an edge of the {} is {} m, which is no multiple of the smallest cube, {} m",
+                                              dragcore::kind(shape), half, finest));
+}
+
+bool OctreeSizes::too_large(const Vector3d& lower, const Vector3d& upper) const {
+  // By the point of the cube nearest to each region, so that no layer of large cubes reaches into it.
+  const auto distance = [&](double margin, double length, double rise) {
+    const Vector3d below = -half_ - scale_ * (Vector3d::Constant(margin) - rise * lee_.cwiseMin(0.0));
+    const Vector3d above = half_ + scale_ * (Vector3d::Constant(margin) + (length - margin) * Vector3d::UnitX() + rise * lee_.cwiseMax(0.0));
+    return (lower - above).cwiseMax(below - upper).cwiseMax(0.0).norm();
+  };
+  const double from_body = recipe_.body_size + recipe_.growth * distance(0.0, 0.0, 0.0) / scale_;
+  const double from_wake = recipe_.wake_size + recipe_.growth * distance(recipe_.wake_margin, recipe_.wake_length, recipe_.wake_rise) / scale_;
+  const double from_outer = recipe_.outer_size + recipe_.growth * distance(recipe_.outer_margin, recipe_.outer_length, recipe_.wake_rise) / scale_;
+  const double wanted = recipe_.refinement * scale_ * std::min({from_body, from_wake, from_outer, recipe_.far_size});
+  // A cube that is up to 1.4 times too large stays: halves of it would be as much too small.
+  return (upper - lower).maxCoeff() > 1.4 * wanted && (upper - lower).maxCoeff() > 1.01 * recipe_.body_size * recipe_.refinement * scale_;
+}
+
+Vector3d flat_half_extent(const dragcore::Shape& shape) {
+  if (!std::holds_alternative<dragcore::Plate>(shape) && !std::holds_alternative<dragcore::Box>(shape))
+    throw std::invalid_argument(fmt::format("an octree of cubes fits plates and boxes, not a {}", dragcore::kind(shape)));
+  return dragcore::properties(shape).half_extent;
 }
 
 double distance_to_body(const dragcore::Shape& shape, const Vector3d& point_body) {
@@ -122,15 +188,29 @@ double distance_to_tip(const dragcore::Shape& shape, const Vector3d& point_body)
   return std::numeric_limits<double>::infinity();
 }
 
+std::vector<std::pair<const char*, double*>> recipe_lengths(MeshRecipe& recipe) {
+  std::vector<std::pair<const char*, double*>> list;
+  visit_fields(recipe, [&](const char* name, double& value) {
+    if (std::string(name) != "refinement") list.emplace_back(name, &value);
+  });
+  list.emplace_back("far_radius", &recipe.far_radius);
+  list.emplace_back("wake_rise", &recipe.wake_rise);
+  return list;
+}
+
 nlohmann::json to_json(const MeshRecipe& recipe) {
   nlohmann::json text;
   visit_fields(recipe, [&](const char* name, double value) { text[name] = value; });
+  visit_options(recipe, [&](const char* name, double value) {
+    if (value != 0.0) text[name] = value;
+  });
   return text;
 }
 
 MeshRecipe recipe_from_json(const nlohmann::json& text) {
   MeshRecipe recipe;
   visit_fields(recipe, [&](const char* name, double& value) { value = text.at(name).get<double>(); });
+  visit_options(recipe, [&](const char* name, double& value) { value = text.value(name, 0.0); });
   return recipe;
 }
 

@@ -5,6 +5,8 @@
 #include <dragcore/shapes.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace cfd_cases {
 
@@ -13,8 +15,10 @@ namespace cfd_cases {
 enum class Symmetry { none, plane_y, plane_z };
 std::string to_string(Symmetry symmetry);
 
-/// The symmetry plane that body and pose allow: y = 0 first (poses in incidence), then z = 0 (poses in yaw).
-Symmetry find_symmetry(const dragcore::Shape& shape, const dragcore::Pose& pose);
+/// The symmetry plane that body, pose and spin allow: y = 0 first (poses in incidence), then z = 0 (poses in yaw). A body that spins has
+/// one only square to its axis.
+/// @param spin_axis  body frame; zero for a body at rest
+Symmetry find_symmetry(const dragcore::Shape& shape, const dragcore::Pose& pose, const Eigen::Vector3d& spin_axis = Eigen::Vector3d::Zero());
 
 /// The length that all sizes below are multiples of: the second largest extent of the body, that is the shorter side of a plate, the
 /// diameter of a body of revolution [m].
@@ -38,11 +42,21 @@ struct MeshRecipe {
   double sideways = 8.0;
   double dual_feature_angle_deg = 60.0;  ///< edges sharper than this stay edges in the polyhedral dual
   double refinement = 1.0;
+
+  // What follows is 0 in the recipe of record and then left out of the description, so that a new choice does not rename old cases.
+  double far_radius = 0.0;  ///< of a ball of air around the body; 0: the box above
+  double seed = 0.0;        ///< of the mesh generator: another mesh of the same sizes
+  double hexahedra = 0.0;   ///< 1: an octree of cubes in the body frame instead of polyhedra; bodies with flat sides only
+  double wake_rise = 0.0;   ///< of the wake box to the lee side, where mesh and body stay and the wind turns; 0: wake_margin
 };
 
-/// Cell size factor of a level: consecutive levels differ by 1.4, which gives 2.2-2.7 times the cells. "medium" is 1.
-/// @throws std::invalid_argument on an unknown level, listing the known ones
-double refinement_of(const std::string& level);
+/// The recipe of an octree of cubes around a body with flat sides, for scale-resolving runs: the size on the body fits a plate of
+/// thickness 0.05. Levels differ by 2, and none is coarser than "medium".
+MeshRecipe octree_recipe();
+
+/// Cell size factor of a level: consecutive levels differ by 1.4, which gives 2.2-2.7 times the cells (of an octree by 2). "medium" is 1.
+/// @throws std::invalid_argument on an unknown level, listing the known ones; octree: on "coarse", which does not fit a thin plate
+double refinement_of(const std::string& level, bool octree = false);
 
 /// Distance from a point to the surface of the body (exact for flat-sided bodies and bodies of revolution, first order for other
 /// ellipsoids); 0 inside. Body frame [m].
@@ -50,6 +64,26 @@ double distance_to_body(const dragcore::Shape& shape, const Eigen::Vector3d& poi
 
 /// Distance to the sharp point of a cone or teardrop [m]; infinite for other shapes.
 double distance_to_tip(const dragcore::Shape& shape, const Eigen::Vector3d& point_body);
+
+/// Which cubes of an octree are too large. Body frame.
+class OctreeSizes {
+ public:
+  /// @throws std::invalid_argument  the body has round sides, or its sides are no planes of the finest cubes
+  OctreeSizes(const dragcore::Shape& shape, const MeshRecipe& recipe, Symmetry symmetry);
+  bool too_large(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper) const;
+
+ private:
+  dragcore::Shape shape_;
+  MeshRecipe recipe_;
+  double scale_;
+  Eigen::Vector3d half_, lee_;
+};
+
+/// Half the edges of the body's box, if it is one with flat sides, so that an octree of cubes can fit it. @throws std::invalid_argument
+Eigen::Vector3d flat_half_extent(const dragcore::Shape& shape);
+
+/// The lengths and sizes of a recipe by name, for files that change some.
+std::vector<std::pair<const char*, double*>> recipe_lengths(MeshRecipe& recipe);
 
 /// Canonical description: part of the key, and the request that the meshing program reads.
 nlohmann::json to_json(const MeshRecipe& recipe);

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -182,6 +183,33 @@ void write_points(const fs::path& folder, const std::vector<Vector3d>& points) {
   for (const Vector3d& p : points) out << fmt::format("({:.12g} {:.12g} {:.12g})\n", p.x(), p.y(), p.z());
   out << ")\n";
   if (!out.flush()) throw std::runtime_error(fmt::format("cannot write {}: is the disk full?", (folder / "points").string()));
+}
+
+std::vector<CellExtent> cell_extents(const PolyMesh& mesh) {
+  constexpr double huge = std::numeric_limits<double>::infinity();
+  std::vector<CellExtent> extents(static_cast<std::size_t>(mesh.cells()), {Vector3d::Constant(huge), Vector3d::Constant(-huge)});
+  const auto add = [&](int cell, const std::vector<int>& corners) {
+    CellExtent& extent = extents[static_cast<std::size_t>(cell)];
+    for (const int corner : corners) {
+      const Vector3d& p = mesh.points[static_cast<std::size_t>(corner)];
+      extent = {extent.lower.cwiseMin(p), extent.upper.cwiseMax(p)};
+    }
+  };
+  for (std::size_t face = 0; face < mesh.faces.size(); ++face) {
+    add(mesh.owner[face], mesh.faces[face]);
+    if (face < mesh.neighbour.size()) add(mesh.neighbour[face], mesh.faces[face]);
+  }
+  return extents;
+}
+
+void write_cell_set(const fs::path& folder, const std::string& name, const std::vector<int>& cells) {
+  fs::create_directories(folder / "sets");
+  std::ofstream out(folder / "sets" / name);
+  out << "FoamFile { version 2.0; format ascii; class cellSet; location \"constant/polyMesh/sets\"; object " << name << "; }\n"
+      << cells.size() << "\n(\n";
+  for (const int cell : cells) out << cell << "\n";
+  out << ")\n";
+  if (!out.flush()) throw std::runtime_error(fmt::format("cannot write {}: is the disk full?", (folder / "sets" / name).string()));
 }
 
 FaceGeometry face_geometry(const PolyMesh& mesh, int face) {

@@ -48,6 +48,15 @@ PatchExtent patch_extent(const PolyMesh& mesh, const std::string& patch);
 /// @return  cells that were moved
 int lift_edge_cells(PolyMesh& mesh, const std::string& patch);
 
+/// The bounding box of each cell.
+struct CellExtent {
+  Eigen::Vector3d lower, upper;
+};
+std::vector<CellExtent> cell_extents(const PolyMesh& mesh);
+
+/// Writes a set of cells for OpenFOAM's tools: polyMesh/sets/<name>.
+void write_cell_set(const std::filesystem::path& folder, const std::string& name, const std::vector<int>& cells);
+
 /// The values of all cells of a scalar field in an ascii file of a time folder; "uniform" is spread out.
 /// @throws std::runtime_error naming the file when there are not `cells` of them or one is not finite
 Eigen::VectorXd read_cell_scalars(const std::filesystem::path& file, int cells);

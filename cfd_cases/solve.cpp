@@ -3,6 +3,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -55,17 +56,24 @@ Scales scales_of(const CaseSpec& spec) {
           force * std::max(1.0, 2.0 * p.half_extent.maxCoeff() / p.reference_length)};
 }
 
-std::vector<Channels> channels_of(const std::vector<ForceSample>& history, const Scales& scales, Symmetry symmetry) {
+/// Load of the whole body in the wind frame, from that of the faces that are meshed.
+Load whole_load(const Load& meshed, const CaseIdentity& id) {
+  const Load whole = whole_body(meshed, id.symmetry);
+  return {id.to_wind * whole.force_pressure, id.to_wind * whole.force_viscous, id.to_wind * whole.moment_pressure,
+          id.to_wind * whole.moment_viscous};
+}
+
+std::vector<Channels> channels_of(const std::vector<ForceSample>& history, const Scales& scales, const CaseIdentity& id) {
   std::vector<Channels> series;
-  for (const auto& sample : history) series.push_back(scales.coefficients(whole_body(sample.load, symmetry)));
+  for (const auto& sample : history) series.push_back(scales.coefficients(whole_load(sample.load, id)));
   return series;
 }
 
-Load mean_load(const std::vector<ForceSample>& history, int samples, Symmetry symmetry) {
+Load mean_load(const std::vector<ForceSample>& history, int samples, const CaseIdentity& id) {
   Load mean;
   const double weight = 1.0 / samples;
   for (std::size_t i = history.size() - static_cast<std::size_t>(samples); i < history.size(); ++i) {
-    const Load load = whole_body(history[i].load, symmetry);
+    const Load load = whole_load(history[i].load, id);
     mean.force_pressure += weight * load.force_pressure;
     mean.force_viscous += weight * load.force_viscous;
     mean.moment_pressure += weight * load.moment_pressure;
@@ -78,13 +86,31 @@ Load mean_load(const std::vector<ForceSample>& history, int samples, Symmetry sy
 Channels null_channels(const CaseSpec& spec, const Channels& mean) {
   Channels is_null = Channels::Zero();
   const Eigen::Matrix3d to_body = spec.pose.radians().rotation().transpose();
+  const Vector3d spin = spec.spin.direction();
   for (const int across : {1, 2}) {
-    if (!dragcore::mirror_symmetric(spec.shape, to_body * Vector3d::Unit(across))) continue;
+    const Vector3d normal = to_body * Vector3d::Unit(across);
+    if (!dragcore::mirror_symmetric(spec.shape, normal) || spin.cross(normal).norm() > 1e-12) continue;
     is_null[across] = 1.0;  // the force across the plane
     is_null[3] = 1.0;       // the moments about the axes in the plane
     is_null[3 + (3 - across)] = 1.0;
   }
   return is_null.cwiseProduct(mean.cwiseAbs());
+}
+
+/// The fields that a solver needs to go on; those of turbulence only where it was modelled.
+constexpr const char* kFields[] = {"U", "p", "k", "omega", "nut"};
+
+/// The text of a field file from "internalField" up to its boundary.
+std::pair<std::size_t, std::size_t> internal_field(const std::string& text, const fs::path& file) {
+  const std::size_t from = text.find("internalField"), to = text.find("boundaryField");
+  if (from == std::string::npos || to == std::string::npos || to < from)
+    throw CaseFailure(fmt::format("{} is no complete field: its start case must be solved again", file.string()));
+  return {from, to};
+}
+
+std::string contents(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 bool ended_well(const fs::path& log) {
@@ -108,13 +134,14 @@ void add(StageCost& cost, const Outcome& outcome) {
 
 class Solver {
  public:
-  Solver(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, int ranks,
+  Solver(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, int ranks, bool keep_fields,
          const std::atomic<bool>& cancel, const std::function<void(const Progress&)>& on_progress)
       : spec_(spec),
         id_(identity),
         tools_(tools),
         cache_(cache),
         ranks_(ranks),
+        keep_fields_(keep_fields),
         cancel_(cancel),
         on_progress_(on_progress),
         scales_(scales_of(spec)) {}
@@ -137,7 +164,7 @@ class Solver {
         try_rung(recipe, work / to_string(recipe), mesh, record);
         record.attempts.push_back({to_string(recipe), record.status, record.reason});
         // Time-outs and drift would only be repeated; other relaxation helps against divergence.
-        if (record.status != Status::diverged) break;
+        if (record.status != Status::diverged || spec_.time_accurate()) break;
       }
     } catch (const CaseFailure& failure) {
       record.status = Status::failed;
@@ -166,6 +193,8 @@ class Solver {
     record.density = kDensity;
     record.speed = kSpeed;
     record.viscosity = kinematic_viscosity(spec_);
+    record.still_air = spec_.spin.in_still_air();
+    record.angular_velocity = id_.to_wind * flow_of(spec_).angular_velocity;
     record.half_model = id_.symmetry != Symmetry::none;
     record.surface_checksum = fmt::format("{:016x}", dragcore::surface_checksum(dragcore::triangulate(spec_.shape, kChecksumDivisions)));
     record.tools = tools_.versions();
@@ -179,6 +208,8 @@ class Solver {
     for (const auto& file : fs::directory_iterator(mesh.poly_mesh))
       fs::create_hard_link(file.path(), folder / "constant/polyMesh" / file.path().filename());
     StageCost& solve = record.cost["solve"];
+    if (spec_.start) start_from_fields(folder, solve);
+    if (spec_.spin.in_still_air()) require(run(folder, {"topoSet"}, solve), "topoSet", folder);
     if (ranks_ > 1) {
       write_files(folder, {{"system/decomposeParDict", decomposition(ranks_)}});
       require(run(folder, {"decomposePar"}, solve), "decomposePar", folder);
@@ -192,9 +223,9 @@ class Solver {
       if (cancel_) halt = true;
       const auto history = read_forces(folder);
       if (history.empty() || live.stop) return;
-      const auto series = channels_of(history, scales_, id_.symmetry);
+      const auto series = channels_of(history, scales_, id_);
       on_progress_({"solve", static_cast<int>(history.size()), series.back()[0]});
-      live = judge(series, spec_.stop, scales_.plausible, false);
+      live = judged_now(series, false);
       judged = series.size();
       if (!live.stop) return;
       if (case_record::is_usable(live.status))
@@ -203,10 +234,11 @@ class Solver {
         halt = true;
     };
     on_progress_({"solve"});
-    std::vector<std::string> argv{"simpleFoam"};
+    const std::string solver = solver_of(spec_);
+    std::vector<std::string> argv{solver};
     // --bind-to none: two mpirun side by side would both bind to the first core.
-    if (ranks_ > 1) argv = {"mpirun", "-np", std::to_string(ranks_), "--oversubscribe", "--bind-to", "none", "simpleFoam", "-parallel"};
-    const fs::path log = folder / "log.simpleFoam";
+    if (ranks_ > 1) argv = {"mpirun", "-np", std::to_string(ranks_), "--oversubscribe", "--bind-to", "none", solver, "-parallel"};
+    const fs::path log = folder / ("log." + solver);
     const Outcome outcome = run_command(
         {.argv = argv, .folder = folder, .log = log, .timeout_s = spec_.timeout_s, .environment = tools_.environment}, halt, watch);
     add(solve, outcome);
@@ -218,7 +250,7 @@ class Solver {
     };
     const auto history = read_history(folder);
     record.iterations += static_cast<int>(history.size());
-    const auto series = channels_of(history, scales_, id_.symmetry);
+    const auto series = channels_of(history, scales_, id_);
     if (outcome.timed_out)
       return fail(Status::timed_out,
                   fmt::format("stopped after {:.0f} s and {} iterations: raise timeout_s", spec_.timeout_s, history.size()));
@@ -227,8 +259,8 @@ class Solver {
     if (outcome.exit_code == 136) return fail(Status::diverged, fmt::format("floating point failure after {} iterations", history.size()));
     if (outcome.exit_code != 0)
       return fail(Status::failed, fmt::format("{} ended with code {}: {}", argv[0], outcome.exit_code, log_excerpt(log)));
-    if (!ended_well(log)) return fail(Status::failed, "simpleFoam returned 0 without reaching its End");
-    const Verdict at_end = judge(series, spec_.stop, scales_.plausible, true);
+    if (!ended_well(log)) return fail(Status::failed, solver + " returned 0 without reaching its End");
+    const Verdict at_end = judged_now(series, true);
     // The last iteration or two came after the decision to stop; they may not undo it, unless the solution blew up.
     const Verdict& verdict = live.stop && at_end.status != Status::diverged ? live : at_end;
     if (!case_record::is_usable(verdict.status)) return fail(verdict.status, verdict.reason);
@@ -252,9 +284,12 @@ class Solver {
     } catch (const std::runtime_error& error) {
       throw CaseFailure(error.what());
     }
+    for (Eigen::Matrix3Xd* vectors : {&record.surface.centre, &record.surface.area_vector, &record.surface.friction_coefficient})
+      *vectors = id_.to_wind * *vectors;
+    if (keep_fields_) store_fields(last_time_folder(folder));
     record.averaged_over = std::min(verdict.averaged_over, static_cast<int>(history.size()));
-    record.load = mean_load(history, record.averaged_over, id_.symmetry);
-    record.load_last = whole_body(history.back().load, id_.symmetry);
+    record.load = mean_load(history, record.averaged_over, id_);
+    record.load_last = whole_load(history.back().load, id_);
     record.u_iteration = scales_.dimensional(verdict.u_iteration);
     record.u_statistical = scales_.dimensional(verdict.u_statistical);
     record.u_null = scales_.dimensional(null_channels(spec_, scales_.coefficients(record.load)));
@@ -262,6 +297,48 @@ class Solver {
     record.reason.clear();
     post.cpu_s += thread_cpu_s() - cpu;
     post.wall_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  }
+
+  Verdict judged_now(const std::vector<Channels>& series, bool ended) const {
+    if (!spec_.time_accurate()) return judge(series, spec_.stop, scales_.plausible, ended, spec_.spin.in_still_air());
+    return judge_in_time(series, static_cast<std::size_t>(std::lround(spec_.time.discard / spec_.time.step)), scales_.plausible, ended);
+  }
+
+  void store_fields(const fs::path& time) {
+    const fs::path complete = cache_.work(id_.key) / "fields";
+    fs::remove_all(complete);
+    fs::create_directories(complete);
+    for (const char* field : kFields)
+      if (fs::exists(time / field)) fs::copy_file(time / field, complete / field);
+    fs::remove_all(cache_.fields(id_.key));
+    fs::rename(complete, cache_.fields(id_.key));
+  }
+
+  /// Puts the last values of the start case into the initial fields: as they are on the same mesh, by mapFields from another.
+  void start_from_fields(const fs::path& folder, StageCost& cost) {
+    const fs::path from = cache_.fields(id_.start_key);
+    if (!fs::exists(from)) throw CaseFailure(fmt::format("{} left no fields to start from: is it usable?", spec_.start->name));
+    const CaseIdentity start = identify(*spec_.start, tools_);
+    if (start.mesh_key != id_.mesh_key) {
+      const fs::path source = cache_.work(id_.key) / "start";
+      fs::remove_all(source);
+      write_files(source, dictionaries(*spec_.start, start.symmetry, Rung::standard));
+      for (const auto& field : fs::directory_iterator(from)) fs::copy_file(field.path(), source / "0" / field.path().filename(), fs::copy_options::overwrite_existing);
+      fs::create_directories(source / "constant/polyMesh");
+      for (const auto& file : fs::directory_iterator(cache_.mesh(start.mesh_key) / "polyMesh"))
+        fs::create_hard_link(file.path(), source / "constant/polyMesh" / file.path().filename());
+      write_files(folder, {{"system/mapFieldsDict", "FoamFile { version 2.0; format ascii; class dictionary; object mapFieldsDict; }\npatchMap ();\ncuttingPatches ();\n"}});
+      return require(run(folder, {"mapFields", source.string(), "-sourceTime", "0"}, cost), "mapFields", folder);
+    }
+    for (const char* name : kFields) {
+      const fs::path file = folder / "0" / name;
+      if (!fs::exists(file) || !fs::exists(from / name)) continue;
+      std::string text = contents(file);
+      const std::string there = contents(from / name);
+      const auto [begin, end] = internal_field(text, file);
+      const auto [start_begin, start_end] = internal_field(there, from / name);
+      write_files(folder, {{std::string("0/") + name, text.replace(begin, end - begin, there, start_begin, start_end - start_begin)}});
+    }
   }
 
   std::vector<ForceSample> read_history(const fs::path& folder) const {
@@ -290,6 +367,7 @@ class Solver {
   const Tools& tools_;
   const Cache& cache_;
   int ranks_;
+  bool keep_fields_;
   const std::atomic<bool>& cancel_;
   const std::function<void(const Progress&)>& on_progress_;
   Scales scales_;
@@ -297,9 +375,9 @@ class Solver {
 
 }  // namespace
 
-CaseRecord solve_case(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, int ranks,
+CaseRecord solve_case(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, int ranks, bool keep_fields,
                       const std::atomic<bool>& cancel, const std::function<void(const Progress&)>& on_progress) {
-  return Solver(spec, identity, tools, cache, ranks, cancel, on_progress).solve();
+  return Solver(spec, identity, tools, cache, ranks, keep_fields, cancel, on_progress).solve();
 }
 
 case_record::SurfaceSample read_surface(const fs::path& case_folder, const PolyMesh& mesh, const Load& meshed_load, double scale) {

@@ -18,9 +18,10 @@ struct Progress {
 };
 
 /// Meshes and solves one case in cache.work(key) and returns its record, whatever its status: a failure of the case is a result, too.
-/// @param ranks  MPI ranks of the solver; they are not part of the key
+/// @param ranks        MPI ranks of the solver; they are not part of the key
+/// @param keep_fields  leave the last fields in cache.fields(key), for cases that start from them
 /// @throws Interrupted when `cancel` becomes true, std::runtime_error when the machine fails (no space, no rights)
-case_record::CaseRecord solve_case(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, int ranks,
+case_record::CaseRecord solve_case(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, int ranks, bool keep_fields,
                                    const std::atomic<bool>& cancel, const std::function<void(const Progress&)>& on_progress);
 
 /// Pressure and shear on the faces of the patch "body" from the last time folder of a case, checked against the load of that iteration (of

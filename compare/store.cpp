@@ -27,7 +27,8 @@ using nlohmann::json;
 
 // Major: readers of an older one would misread. Minor: columns were added.
 constexpr int schema_major = 1;
-constexpr const char* schema_version = "1.0";
+constexpr int schema_minor = 1;
+const std::string schema_version = fmt::format("{}.{}", schema_major, schema_minor);
 constexpr const char* run_schema = "dragval run";
 constexpr const char* reference_schema = "dragval reference";
 
@@ -39,6 +40,7 @@ struct NumberColumn {
   Eigen::Index width = 1;
   std::function<void(const CaseRecord&, double*)> get;
   std::function<void(CaseRecord&, const double*)> set;
+  int since = 0;  ///< minor version of the schema that brought it; older files have the value of a new record
 };
 
 /// @param field  generic accessor: returns a reference to a number or an Eigen vector of a record
@@ -55,6 +57,11 @@ NumberColumn numbers(std::string name, Meaning meaning, Field field) {
     column.get = [field](const CaseRecord& record, double* out) { Eigen::Map<Value>{out} = field(record); };
     column.set = [field](CaseRecord& record, const double* in) { field(record) = Eigen::Map<const Value>(in); };
   }
+  return column;
+}
+
+NumberColumn since(int minor, NumberColumn column) {
+  column.since = minor;
   return column;
 }
 
@@ -83,7 +90,11 @@ const std::vector<NumberColumn>& number_columns() {
       numbers(
           "density", {"kg m-3", "density of the air", "", ""}, [](auto& r) -> auto& { return r.density; }),
       numbers(
-          "speed", {"m s-1", "speed of the undisturbed air", "", ""}, [](auto& r) -> auto& { return r.speed; }),
+          "speed", {"m s-1", "speed of the coefficients: of the undisturbed air, in still air |omega| L_ref", "", ""}, [](auto& r) -> auto& { return r.speed; }),
+      since(1, numbers(
+          "still_air", {"1", "1: there is no wind", "", ""}, [](auto& r) -> auto& { return r.still_air; })),
+      since(1, numbers(
+          "angular_velocity", {"rad s-1", "of the body, about its centroid", "wind", ""}, [](auto& r) -> auto& { return r.angular_velocity; })),
       numbers(
           "viscosity", {"m2 s-1", "kinematic viscosity", "", ""}, [](auto& r) -> auto& { return r.viscosity; }),
       numbers(
@@ -220,10 +231,12 @@ struct CaseTable {
   std::vector<std::pair<std::string, Table>> costs;  ///< per stage: CPU and wall seconds
 };
 
-CaseTable tabulate(const std::vector<CaseRecord>& cases) {
+/// @param minor  of the schema: columns that came later are left out
+CaseTable tabulate(const std::vector<CaseRecord>& cases, int minor = schema_minor) {
   CaseTable table;
   const auto rows = static_cast<Eigen::Index>(cases.size());
   for (const NumberColumn& column : number_columns()) {
+    if (column.since > minor) continue;
     Table values(rows, column.width);
     for (Eigen::Index i = 0; i < rows; ++i) fill(column, cases[static_cast<std::size_t>(i)], values.row(i).data());
     table.numbers.emplace_back(&column, std::move(values));
@@ -275,7 +288,14 @@ void write_cases(const Handle& file, const std::vector<CaseRecord>& cases) {
   }
 }
 
+int minor_version(const Handle& file) {
+  const std::string version = hdf5::read_attribute(file, "schema_version");
+  const std::size_t dot = version.find('.');
+  return dot == std::string::npos ? 0 : std::atoi(version.c_str() + dot + 1);
+}
+
 std::vector<CaseRecord> read_cases(const Handle& file) {
+  const int minor = minor_version(file);
   const Handle group = hdf5::open_group(file, "cases");
   std::vector<CaseRecord> cases(hdf5::read_words(group, "name").size());
   const auto check_rows = [&](const std::string& name, std::size_t rows, bool right_width = true) {
@@ -290,6 +310,7 @@ std::vector<CaseRecord> read_cases(const Handle& file) {
   for (std::size_t i = 0; i < cases.size(); ++i)
     cases[i].shape = dragcore::make_shape(kinds[i], json::parse(parameters[i]).get<std::map<std::string, double>>());
   for (const NumberColumn& column : number_columns()) {
+    if (column.since > minor) continue;
     const Table values = hdf5::read_table(group, column.name);
     check_rows(column.name, static_cast<std::size_t>(values.rows()), values.cols() == column.width);
     for (std::size_t i = 0; i < cases.size(); ++i) column.set(cases[i], values.row(static_cast<Eigen::Index>(i)).data());
@@ -414,7 +435,7 @@ std::vector<std::vector<PatchMean>> read_patches(const Handle& file, std::size_t
 }
 
 /// SHA-256 of all values: says whether two references hold the same, whatever version of HDF5 wrote them.
-std::string content_digest(const Reference& reference) {
+std::string content_digest(const Reference& reference, int minor = schema_minor) {
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> digest(EVP_MD_CTX_new(), EVP_MD_CTX_free);
   EVP_DigestInit_ex(digest.get(), EVP_sha256(), nullptr);
   const auto add = [&](const void* bytes, std::size_t size) { EVP_DigestUpdate(digest.get(), bytes, size); };
@@ -425,7 +446,7 @@ std::string content_digest(const Reference& reference) {
   const auto add_words = [&](const std::vector<std::string>& list) {
     for (const std::string& word : list) add(word.c_str(), word.size() + 1);
   };
-  const CaseTable cases = tabulate(reference.cases);
+  const CaseTable cases = tabulate(reference.cases, minor);
   for (const auto& [column, values] : cases.numbers) add_table(column->name, values);
   for (const auto& [column, list] : cases.words) add_words(list);
   for (const auto& [stage, seconds] : cases.costs) add_table(stage, seconds);
@@ -496,7 +517,9 @@ Reference read_reference(const std::filesystem::path& path) {
   return read_file(path, reference_schema, [](const Handle& file) {
     Reference reference{read_cases(file), {}};
     reference.patches = read_patches(file, reference.cases.size());
-    if (hdf5::read_attribute(file, "content_sha256") != content_digest(reference))
+    // The digest of a newer file covers columns that are not known here.
+    const int minor = minor_version(file);
+    if (minor <= schema_minor && hdf5::read_attribute(file, "content_sha256") != content_digest(reference, minor))
       throw std::runtime_error("its values are not those that were written (content_sha256 does not fit them)");
     return reference;
   });

@@ -69,11 +69,13 @@ struct CaseRecord {
   dragcore::Shape shape;
   dragcore::Pose pose;
   double reynolds = 0.0;
-  std::string flow_model;  ///< "laminar", "k_omega_sst"
+  std::string flow_model;  ///< "laminar", "k_omega_sst", "k_omega_sst_ddes" (scale-resolving, time-accurate)
   std::string mesh_level;  ///< "coarse", "medium", "fine", "finest"
   bool held_out = false;   ///< not to be used for fitting
   double density = 1.0;    ///< [kg/m^3]
-  double speed = 1.0;      ///< [m/s]
+  double speed = 1.0;      ///< of the coefficients [m/s]: that of the undisturbed air, or |omega| L_ref of a body that spins in still air
+  bool still_air = false;  ///< no wind at all
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< of the body, about its centroid; wind frame [rad/s]
   double viscosity = 0.0;  ///< kinematic [m^2/s]
 
   // What came out.
@@ -102,6 +104,8 @@ struct CaseRecord {
   std::map<std::string, StageCost> cost;
   std::map<std::string, std::string> tools;  ///< "openfoam": "1912", "gmsh": "4.8.4"
   std::string finished;                      ///< UTC, ISO 8601
+
+  bool spins() const { return !angular_velocity.isZero(); }
 };
 
 }  // namespace case_record

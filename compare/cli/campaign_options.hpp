@@ -4,6 +4,10 @@
 
 #include "cfd_cases/campaign.hpp"
 
+namespace CLI {
+class App;
+}
+
 namespace cli {
 
 /// The matrix, the cache and the choice of cases that plan, run and explain share.
@@ -11,7 +15,11 @@ struct CampaignInput {
   std::string matrix = "quick";
   std::string cache = ".dragval";
   std::string only;
+  std::string known;  ///< file of references whose cases are not solved again; empty for none
 };
+
+/// The options that plan and run share.
+void add_campaign_options(CLI::App& command, CampaignInput& input);
 
 /// Runs are stored in compare's HDF5 files.
 cfd_cases::RunStore run_store();

@@ -13,11 +13,24 @@ namespace cli {
 cfd_cases::RunStore run_store() { return {.write = compare::write_run, .read = compare::read_run}; }
 
 std::vector<cfd_cases::PlannedCase> plan_cases(const CampaignInput& input, const cfd_cases::Tools& tools) {
-  auto cases = cfd_cases::plan(cfd_cases::load_matrix(input.matrix), tools, {input.cache}, run_store(), input.only);
+  std::map<std::string, case_record::CaseRecord> known;
+  if (!input.known.empty())
+    for (case_record::CaseRecord& record : compare::read_reference(input.known).cases) {
+      const std::string key = record.key;
+      known[key] = std::move(record);
+    }
+  auto cases = cfd_cases::plan(cfd_cases::load_matrix(input.matrix), tools, {input.cache}, run_store(), input.only, known);
   if (cases.empty())
     throw UsageError(
         fmt::format("no case of the matrix {} has '{}' in its name: `dragval plan {}` lists them", input.matrix, input.only, input.matrix));
   return cases;
+}
+
+void add_campaign_options(CLI::App& command, CampaignInput& input) {
+  command.add_option("matrix", input.matrix, "smoke, quick, reference or a TOML file")->capture_default_str();
+  command.add_option("--only", input.only, "cases whose name holds this, or matches this pattern with * ? []");
+  command.add_option("--cache", input.cache, "folder of solved cases")->capture_default_str();
+  command.add_option("--known", input.known, "file of references, such as results/reference.h5: what it holds is not solved again");
 }
 
 void add_plan(CLI::App& app, Context&) {
@@ -27,9 +40,7 @@ void add_plan(CLI::App& app, Context&) {
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("plan", "Lists the cases of a matrix, which of them are solved, and what the others will cost");
-  command->add_option("matrix", options->input.matrix, "smoke, quick, reference or a TOML file")->capture_default_str();
-  command->add_option("--only", options->input.only, "cases whose name holds this, or matches this pattern with * ? []");
-  command->add_option("--cache", options->input.cache, "folder of solved cases")->capture_default_str();
+  add_campaign_options(*command, options->input);
   command->add_flag("--json", options->json, "machine-readable");
   command->footer("Example:  dragval plan quick --only 'cone*'");
   command->callback([options] {

@@ -29,11 +29,9 @@ void add_run(CLI::App& app, Context& context) {
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("run", "Solves the cases of a matrix that are not in the cache yet, with gmsh and OpenFOAM");
-  command->add_option("matrix", options->input.matrix, "smoke, quick, reference or a TOML file")->capture_default_str();
+  add_campaign_options(*command, options->input);
   command->add_option("-j,--jobs", options->campaign.jobs, "cases side by side")->check(CLI::Range(1, 1024))->capture_default_str();
   command->add_option("--ranks", options->campaign.ranks, "MPI ranks of each case")->check(CLI::Range(1, 1024))->capture_default_str();
-  command->add_option("--only", options->input.only, "cases whose name holds this, or matches this pattern with * ? []");
-  command->add_option("--cache", options->input.cache, "folder of solved cases")->capture_default_str();
   command->add_flag("--dry-run", options->dry_run, "say what would be solved, and end");
   command->add_flag("--retry-failed", options->campaign.retry_failed, "solve stored cases that failed, diverged or drifted once more");
   command->add_flag("--keep", options->campaign.keep, "keep the OpenFOAM folders of cases that went well, under CACHE/work");
