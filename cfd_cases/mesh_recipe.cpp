@@ -123,7 +123,6 @@ MeshRecipe octree_recipe() {
   MeshRecipe recipe;
   recipe.hexahedra = 1.0;
   recipe.body_size = 0.025;
-  recipe.growth = 0.08;
   recipe.wake_size = 0.05;
   recipe.wake_margin = 0.3;
   recipe.wake_length = 1.0;
@@ -162,12 +161,14 @@ bool OctreeSizes::too_large(const Vector3d& lower, const Vector3d& upper) const 
     const Vector3d above = half_ + scale_ * (Vector3d::Constant(margin) + (length - margin) * Vector3d::UnitX() + rise * lee_.cwiseMax(0.0));
     return (lower - above).cwiseMax(below - upper).cwiseMax(0.0).norm();
   };
-  const double from_body = recipe_.body_size + recipe_.growth * distance(0.0, 0.0, 0.0) / scale_;
+  // The smallest cubes fill a layer in which the shear layers of the edges roll up.
+  constexpr double layer = 0.12;
+  const double from_body = recipe_.body_size + recipe_.growth * distance(layer, layer, 0.0) / scale_;
   const double from_wake = recipe_.wake_size + recipe_.growth * distance(recipe_.wake_margin, recipe_.wake_length, recipe_.wake_rise) / scale_;
   const double from_outer = recipe_.outer_size + recipe_.growth * distance(recipe_.outer_margin, recipe_.outer_length, recipe_.wake_rise) / scale_;
   const double wanted = recipe_.refinement * scale_ * std::min({from_body, from_wake, from_outer, recipe_.far_size});
   // A cube that is up to 1.4 times too large stays: halves of it would be as much too small.
-  return (upper - lower).maxCoeff() > 1.4 * wanted && (upper - lower).maxCoeff() > 1.01 * recipe_.body_size * recipe_.refinement * scale_;
+  return (upper - lower).maxCoeff() > std::max(1.4 * wanted, 1.01 * recipe_.body_size * recipe_.refinement * scale_);
 }
 
 Vector3d flat_half_extent(const dragcore::Shape& shape) {
