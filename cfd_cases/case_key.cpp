@@ -20,7 +20,7 @@ std::string sha256(const std::string& text) {
 
 CaseIdentity identify(const CaseSpec& spec, const Tools& tools) {
   CaseIdentity id;
-  id.symmetry = find_symmetry(spec.shape, spec.pose.radians(), spec.spin.direction());
+  if (spec.half_model) id.symmetry = find_symmetry(spec.shape, spec.pose.radians(), spec.spin.direction());
   id.recipe = spec.recipe;
   id.recipe.refinement = refinement_of(spec.mesh_level, spec.octree());
   if (spec.mesh_in_body_frame()) {

@@ -164,6 +164,7 @@ void read_common(Table& table, const fs::path& file, Sweep& sweep) {
   table.words("mesh", sweep.levels, {"coarse", "medium", "fine", "finest"});
   table.flag("held_out", sweep.common.held_out);
   table.integer("retries", sweep.common.retries, 0, 1);
+  table.integer("min_iterations", sweep.common.stop.min_iterations, 10, 100000);
   table.integer("max_iterations", sweep.common.stop.max_iterations, 10, 100000);
   table.number("timeout_s", sweep.common.timeout_s, 0.1, 1e6);
   if (const auto* numerics = table.subtable("numerics")) read_numerics(Table(*numerics, file), sweep.common.numerics);
@@ -179,6 +180,7 @@ void read_special(Table& table, const fs::path& file, Sweep& sweep) {
   table.word("mesher", mesher, {"polyhedra", "octree"});
   table.word("air", air, {"box", "round"});
   table.flag("turn_wind", spec.turn_wind);
+  table.flag("half_model", spec.half_model);
   table.word("spin", spec.spin.axis);
   table.number("spin_ratio", spec.spin.ratio, 1e-3, 1000.0);
   table.flag("chain", sweep.chain);
@@ -204,9 +206,10 @@ void read_special(Table& table, const fs::path& file, Sweep& sweep) {
   const MeshRecipe usual = spec.recipe;
   if (const auto* recipe = table.subtable("recipe")) read_recipe(Table(*recipe, file), spec.recipe);
   // The usual case of that name would otherwise be replaced in the files of results.
-  const bool unusual = to_json(spec.recipe) != to_json(usual) || spec.numerics != Numerics{} || spec.turn_wind || air == "round" || seed != 0;
+  const bool unusual = to_json(spec.recipe) != to_json(usual) || spec.numerics != Numerics{} || spec.turn_wind || !spec.half_model ||
+                       air == "round" || seed != 0 || spec.stop.min_iterations != StopPolicy{}.min_iterations;
   if (unusual && spec.variant.empty())
-    table.fail("numerics, recipe, air, turn_wind and mesh_seed need variant = \"word\", which tells the cases from the usual ones");
+    table.fail("numerics, recipe, air, turn_wind, half_model, mesh_seed and min_iterations need variant = \"word\", which tells the cases from the usual ones");
   for (const std::string& level : sweep.levels) try {
       refinement_of(level, spec.octree());
     } catch (const std::invalid_argument& error) {

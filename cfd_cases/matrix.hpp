@@ -78,6 +78,7 @@ struct CaseSpec {
   TimeSpan time;            ///< of a time-accurate run
   std::string mesh_level = "medium";
   MeshRecipe recipe;        ///< but for the level
+  bool half_model = true;   ///< where symmetry allows
   bool turn_wind = false;   ///< the mesh stays with the body and the wind turns, so that poses share a mesh; an octree always does
   std::string variant;  ///< word added to the name where a sweep repeats poses with other numerics
   bool held_out = false;

@@ -32,6 +32,7 @@ mesh = "coarse"
 reynolds = 100
 flow_model = "laminar"
 retries = 0
+variant = "unstable"
 numerics = { relaxation_velocity = 1.0, relaxation_pressure = 1.0 }
 """
 

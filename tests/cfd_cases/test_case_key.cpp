@@ -39,6 +39,13 @@ TEST_CASE("a key changes with all that determines a result", "[cfd_cases][key]")
   CHECK(changed([](CaseSpec& s) { s.numerics.viscosity_ratio = 1.0; }));
   CHECK(changed([](CaseSpec& s) { s.stop.max_iterations = 900; }));
   CHECK(changed([](CaseSpec& s) { s.retries = 0; }));
+  CHECK(changed([](CaseSpec& s) { s.numerics.wall = "low_re"; }));
+  CHECK(changed([](CaseSpec& s) { s.recipe.sideways = 12.0; }));
+  CHECK(changed([](CaseSpec& s) { s.recipe.seed = 2.0; }));
+  CHECK(changed([](CaseSpec& s) { s.recipe.far_radius = 8.0; }));
+  CHECK(changed([](CaseSpec& s) { s.half_model = false; }));
+  CHECK(changed([](CaseSpec& s) { s.spin.axis = "y"; }));
+  CHECK(changed([](CaseSpec& s) { s.start = std::make_shared<CaseSpec>(plate(45.0)); }));
   Tools newer = kTools;
   newer.openfoam = "2212";
   CHECK(identify(base, newer).key != key);
@@ -57,6 +64,40 @@ TEST_CASE("a key does not change with where, how fast and for whom a case is sol
   CHECK(identify(spec, elsewhere).key == key);
   // Ranks cannot change it: they are not part of a CaseSpec, and no generated file of the key mentions them.
   CHECK(identify(spec, kTools).description.find("numberOfSubdomains") == std::string::npos);
+}
+
+TEST_CASE("new choices that are not made leave old keys as they were", "[cfd_cases][key][regression]") {
+  // The committed references hold this key; a campaign that goes on from them would otherwise solve all of them again.
+  CaseSpec spec = plate(90.0);
+  spec.stop.max_iterations = 1500;
+  CHECK(identify(spec, kTools).key == "13c26bf1fd87897a68ec8b2fd090b244fb39261854e4385e456bf0d84bdab63f");
+}
+
+TEST_CASE("a chain of starts is part of the key, from its first case on", "[cfd_cases][key]") {
+  CaseSpec second = plate(45.0), third = plate(60.0);
+  second.start = std::make_shared<CaseSpec>(plate(30.0));
+  third.start = std::make_shared<CaseSpec>(second);
+  const auto id = identify(third, kTools);
+  CHECK(id.start_key == identify(second, kTools).key);
+  CaseSpec otherwise = third;
+  second.start = std::make_shared<CaseSpec>(plate(31.0));
+  otherwise.start = std::make_shared<CaseSpec>(second);
+  CHECK(identify(otherwise, kTools).key != id.key);
+}
+
+TEST_CASE("where the wind turns, poses share a mesh, and its frame is the body's", "[cfd_cases][key]") {
+  CaseSpec a = plate(30.0), b = plate(45.0);
+  for (CaseSpec* spec : {&a, &b}) spec->recipe = octree_recipe();
+  CHECK(identify(a, kTools).mesh_key == identify(b, kTools).mesh_key);
+  CHECK(identify(a, kTools).key != identify(b, kTools).key);
+  CHECK(identify(a, kTools).symmetry == Symmetry::plane_y);
+  CHECK((identify(a, kTools).to_wind - a.pose.radians().rotation()).norm() == 0.0);
+  // The flow about a sphere is symmetric in every pose, but about no plane of its own axes.
+  CaseSpec sphere;
+  sphere.shape = dragcore::Sphere{};
+  sphere.pose = {.incidence = 30.0, .yaw = 20.0};
+  sphere.turn_wind = true;
+  CHECK(identify(sphere, kTools).symmetry == Symmetry::none);
 }
 
 TEST_CASE("flows of the same body in the same pose share one mesh", "[cfd_cases][key]") {

@@ -116,3 +116,30 @@ TEST_CASE("the standard error of correlated noise is that of theory", "[cfd_case
   }
   CHECK(standard_error(Eigen::VectorXd::Constant(50, 3.0)) == 0.0);
 }
+
+TEST_CASE("a run in time is judged when it is over, by what comes after its start", "[cfd_cases][convergence][analytic]") {
+  // A start at 3, then a wave of 50 steps about 1.2: four whole waves have exactly that mean.
+  const auto wave = [](int i) { return i < 100 ? 3.0 : 1.2 + 0.1 * std::sin(2.0 * std::numbers::pi * i / 50.0); };
+  CHECK_FALSE(judge_in_time(series(300, wave), 100, kPlausible, false).stop);
+  const Verdict verdict = judge_in_time(series(300, wave), 100, kPlausible, true);
+  CHECK(verdict.status == Status::statistically_steady);
+  CHECK(verdict.averaged_over == 200);
+  CHECK(verdict.u_statistical[0] < 0.01);  // the halves are equal, and a wave sums to nothing
+  // A drift shows as half the difference of the halves: 100 steps at 1e-3 each, halved.
+  const Verdict drift = judge_in_time(series(300, [](int i) { return 1.0 + 1e-3 * i; }), 100, kPlausible, true);
+  CHECK(drift.u_statistical[0] >= Approx(0.05));
+  CHECK(judge_in_time(series(90, wave), 100, kPlausible, true).status == Status::drifting);
+  CHECK(judge_in_time(series(300, [](int) { return NAN; }), 100, kPlausible, true).status == Status::diverged);
+}
+
+TEST_CASE("a body that spins in still air is judged by its moment", "[cfd_cases][convergence]") {
+  const auto moment = [](double drift) {
+    std::vector<Channels> all(200, Channels::Zero());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i][5] = -0.02 * (1.0 + drift * static_cast<double>(i));
+    return all;
+  };
+  CHECK(judge(moment(0.0), kPolicy, kPlausible, false, true).status == Status::steady);
+  CHECK(judge(moment(0.0), kPolicy, kPlausible, true, true).status == Status::steady);  // no drag is no divergence
+  // 1e-4 per iteration is 1 % of the moment over the window, allowed is 0.3 %; against C_D's floor of 0.1 it would pass.
+  CHECK_FALSE(judge(moment(1e-4), kPolicy, kPlausible, false, true).stop);
+}

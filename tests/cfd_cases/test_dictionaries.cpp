@@ -1,4 +1,6 @@
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
 
 #include "cfd_cases/dictionaries.hpp"
 
@@ -60,4 +62,33 @@ TEST_CASE("forces are taken about the centroid and written at every iteration, a
   CHECK_THAT(control,
              Contains("CofR (0 0 0)") && Contains("patches (body)") && Contains("writeInterval 1;") && Contains("file \"<case>/stop\""));
   CHECK_THAT(decomposition(4), Contains("hierarchical") && Contains("n (4 1 1)"));
+}
+
+TEST_CASE("where the wind turns it meets the body at the angle of the pose", "[cfd_cases][dictionaries][sign]") {
+  CaseSpec spec = spec_of("k_omega_sst");
+  spec.recipe = octree_recipe();
+  spec.pose.incidence = 30.0;  // the nose is lifted: the wind comes from below, towards +z of the body
+  const Flow flow = flow_of(spec);
+  CHECK(flow.wind.x() == Approx(std::cos(std::numbers::pi / 6.0)));
+  CHECK(flow.wind.z() == Approx(0.5));
+  const auto files = dictionaries(spec, Symmetry::plane_y, Rung::standard);
+  CHECK_THAT(files.at("0/U"), Contains("farfield { type freestreamVelocity; freestreamValue uniform (0.866025") && !Contains("inlet {"));
+}
+
+TEST_CASE("a spin in still air has the rate that makes omega L the reference speed", "[cfd_cases][dictionaries][analytic]") {
+  CaseSpec spec = spec_of("laminar");
+  spec.spin.axis = "z";
+  spec.recipe.far_radius = 8.0;
+  CHECK(flow_of(spec).wind.isZero());
+  CHECK((flow_of(spec).angular_velocity - Eigen::Vector3d(0.0, 0.0, 0.5)).norm() < 1e-15);  // chord 2, speed 1
+  const auto still = dictionaries(spec, Symmetry::plane_z, Rung::standard);
+  CHECK_THAT(still.at("constant/MRFProperties"), Contains("axis (0 0 1); omega 0.5;"));
+  CHECK_THAT(still.at("system/fvSolution"), Contains("pRefCell 0;"));
+  CHECK(solver_of(spec) == "simpleFoam");
+  spec.spin.ratio = 2.0;
+  const auto windy = dictionaries(spec, Symmetry::plane_z, Rung::standard);
+  CHECK_THAT(windy.at("constant/dynamicMeshDict"), Contains("axis (0 0 1); omega 1;"));
+  CHECK_FALSE(windy.contains("constant/MRFProperties"));
+  CHECK_THAT(windy.at("0/U"), Contains("movingWallVelocity"));
+  CHECK(solver_of(spec) == "pimpleFoam");
 }

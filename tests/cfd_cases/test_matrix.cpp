@@ -37,6 +37,7 @@ held_out = true
 shape = "cone"
 yaw_deg = [0, -20]
 numerics = { gradient = "cell_limited" }
+variant = "limited"
 retries = 0
 )");
   REQUIRE(matrix.cases.size() == 13 * 2 + 2);
@@ -44,7 +45,7 @@ retries = 0
   CHECK(matrix.cases[1].name == "plate_incidence-007.5_re-2.5e4_coarse");
   CHECK(matrix.cases[25].name == "plate_incidence-090_re-2.5e4_fine");
   CHECK(matrix.cases[0].held_out);
-  CHECK(matrix.cases[27].name == "cone_yaw-n020_re-2.5e4_medium");
+  CHECK(matrix.cases[27].name == "cone_yaw-n020_re-2.5e4_medium_limited");
   CHECK(matrix.cases[27].numerics.gradient == "cell_limited");
   CHECK(matrix.cases[27].retries == 0);
   CHECK(matrix.cases[27].tier == "mine");
@@ -92,6 +93,55 @@ TEST_CASE("a matrix that is wrong names file, line and column of its fault", "[c
              StartsWith("test.toml:3:36: relaxation_pressure = 1.5"));
   CHECK_THAT(error_of("[[sweep]]\nshape = plate\n"), StartsWith("test.toml:2:9: "));  // a syntax error
   CHECK_THAT(error_of("tier = \"x\"\n"), Contains("at least one [[sweep]]"));
+}
+
+TEST_CASE("spins, octrees and chains of starts are read and named", "[cfd_cases][matrix]") {
+  const Matrix matrix = parse(R"(
+[[sweep]]
+shape = "cube"
+spin = "xy"
+reynolds = 100
+flow_model = "laminar"
+[[sweep]]
+shape = "cube"
+spin = "z"
+spin_ratio = 1
+[[sweep]]
+shape = "plate"
+flow_model = "k_omega_sst_ddes"
+mesher = "octree"
+incidence_deg = [20, 25, 30]
+variant = "up"
+chain = true
+[[sweep]]
+shape = "plate"
+flow_model = "k_omega_sst_ddes"
+mesher = "octree"
+incidence_deg = 35
+variant = "up"
+start = "plate_incidence-030_re-1e5-ddes_octree_medium_up"
+)");
+  CHECK(matrix.cases[0].name == "cube_spin-xy_re-1e2-laminar_medium");
+  CHECK(matrix.cases[0].spin.in_still_air());
+  CHECK(matrix.cases[0].recipe.far_radius > 0.0);  // a spinning mesh needs round air
+  CHECK(matrix.cases[1].name == "cube_incidence-000_spin-z-1_re-1e5_medium");
+  CHECK(matrix.cases[1].time_accurate());
+  CHECK(matrix.cases[2].name == "plate_incidence-020_re-1e5-ddes_octree_medium_up");
+  CHECK_FALSE(matrix.cases[2].start);
+  CHECK(matrix.cases[3].start->name == matrix.cases[2].name);
+  CHECK(matrix.cases[4].start->name == matrix.cases[3].name);
+  CHECK(matrix.cases[5].start->name == matrix.cases[4].name);
+}
+
+TEST_CASE("what does not go together is refused", "[cfd_cases][matrix][hard]") {
+  CHECK_THAT(error_of("[[sweep]]\nshape = \"plate\"\nnumerics = { convection = \"upwind\" }\n"),
+             StartsWith("test.toml:1:") && Contains("variant"));
+  CHECK_THAT(error_of("[[sweep]]\nshape = \"cube\"\nspin = \"w\"\n"), Contains("spin = \"w\" is no axis"));
+  CHECK_THAT(error_of("[[sweep]]\nshape = \"cube\"\nspin_ratio = 2\n"), Contains("spin_ratio needs spin"));
+  CHECK_THAT(error_of("[[sweep]]\nshape = \"cone\"\nmesher = \"octree\"\n"), Contains("not a cone"));
+  CHECK_THAT(error_of("[[sweep]]\nshape = \"cube\"\nmesher = \"octree\"\nmesh = \"coarse\"\n"), Contains("octree: use medium"));
+  CHECK_THAT(error_of("[[sweep]]\nshape = \"cube\"\nstart = \"nothing\"\n"), Contains("is no case of an earlier sweep"));
+  CHECK_THAT(error_of("[[sweep]]\nshape = \"cube\"\ntime = { duration = 3, discard = 3 }\n"), Contains("must be below duration"));
 }
 
 TEST_CASE("two equal cases are refused, and the first one's line is named", "[cfd_cases][matrix][hard]") {

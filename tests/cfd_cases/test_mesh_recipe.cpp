@@ -46,6 +46,32 @@ TEST_CASE("poses in incidence and in yaw are meshed as halves, general ones as a
   CHECK(symmetry(dragcore::Sphere{}, {.incidence = 30.0, .yaw = 20.0}) == Symmetry::plane_y);
 }
 
+TEST_CASE("a spin has a mirror plane square to its axis only", "[cfd_cases][mesh][sign]") {
+  const auto symmetry = [](const dragcore::Shape& shape, const char* axis) {
+    return find_symmetry(shape, {}, Spin{.axis = axis}.direction());
+  };
+  CHECK(symmetry(dragcore::Box{}, "z") == Symmetry::plane_z);
+  CHECK(symmetry(dragcore::Box{}, "y") == Symmetry::plane_y);
+  CHECK(symmetry(dragcore::Box{}, "xy") == Symmetry::none);
+  CHECK(symmetry(dragcore::Cone{}, "x") == Symmetry::none);  // its mirror image in a meridian plane turns the other way
+  CHECK(symmetry(dragcore::Cone{}, "y") == Symmetry::plane_y);
+}
+
+TEST_CASE("cubes of an octree fit the body, shrink towards it, and never below the smallest", "[cfd_cases][mesh]") {
+  MeshRecipe recipe = octree_recipe();
+  const OctreeSizes sizes(dragcore::Plate{}, recipe, Symmetry::plane_y);
+  const auto cube = [](const Vector3d& corner, double edge) { return std::pair{corner, Vector3d(corner + Vector3d::Constant(edge))}; };
+  const auto too_large = [&](const std::pair<Vector3d, Vector3d>& c) { return sizes.too_large(c.first, c.second); };
+  CHECK(too_large(cube({0.5, 0.0, 0.0}, 0.05)));           // touches the trailing edge
+  CHECK_FALSE(too_large(cube({0.5, 0.0, 0.0}, 0.025)));
+  CHECK_FALSE(too_large(cube({-8.0, 0.0, -8.0}, 1.6)));    // in the far field
+  CHECK(too_large(cube({1.0, 0.0, 0.4}, 0.1)));            // in the wake, which lies to the lee side, +z
+  CHECK_FALSE(too_large(cube({1.0, 0.0, -1.5}, 0.1)));
+  recipe.body_size = 0.04;
+  CHECK_THROWS_WITH(OctreeSizes(dragcore::Plate{}, recipe, Symmetry::plane_y), Catch::Contains("no multiple of the smallest cube"));
+  CHECK_THROWS_WITH(OctreeSizes(dragcore::Sphere{}, octree_recipe(), Symmetry::none), Catch::Contains("not a sphere"));
+}
+
 TEST_CASE("levels scale all sizes by one constant ratio and no distance", "[cfd_cases][mesh]") {
   const double ratio = refinement_of("coarse") / refinement_of("medium");
   CHECK(refinement_of("medium") == 1.0);
@@ -59,6 +85,8 @@ TEST_CASE("recipe and shape survive the way to the meshing program", "[cfd_cases
   recipe.wake_length = 4.25;
   recipe.refinement = 1.4;
   CHECK(to_json(recipe_from_json(nlohmann::json::parse(to_json(recipe).dump()))) == to_json(recipe));
+  CHECK_FALSE(to_json(recipe).contains("hexahedra"));  // options that are off are not mentioned
+  CHECK(recipe_from_json(nlohmann::json::parse(to_json(octree_recipe()).dump())).hexahedra == 1.0);
   const dragcore::Shape cone = dragcore::Cone{.diameter = 2.0, .apex_angle = 0.5};
   CHECK(std::get<dragcore::Cone>(shape_from_json(nlohmann::json::parse(to_json(cone).dump()))).apex_angle == Approx(0.5).epsilon(1e-14));
 }
