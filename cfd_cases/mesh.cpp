@@ -22,13 +22,6 @@ using case_record::StageCost;
 
 namespace {
 
-std::string contents(const fs::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
 /// gmshToFoam and polyDualMesh call every patch a "patch", subsetMesh a new one "empty"; wall functions need the wall, the half model its symmetry.
 void name_patch_types(const fs::path& boundary) {
   std::string text = contents(boundary);
@@ -228,6 +221,13 @@ double allowed_surface_error(const dragcore::Shape& shape, const MeshRecipe& rec
   // area and volume of a sphere then lose 0.4 and 0.6 (h/R)^2. Twice as much leaves room for the point of a cone, which the dual cuts off.
   const double h = recipe.body_size * recipe.refinement / 0.5;
   return 1.2 * h * h;
+}
+
+std::string contents(const fs::path& file) {
+  std::ifstream in(file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
 }
 
 void write_files(const fs::path& folder, const std::map<std::string, std::string>& files) {

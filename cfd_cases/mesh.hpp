@@ -61,6 +61,9 @@ double allowed_surface_error(const dragcore::Shape& shape, const MeshRecipe& rec
 /// Writes files by their path in `folder`, making folders as needed.
 void write_files(const std::filesystem::path& folder, const std::map<std::string, std::string>& files);
 
+/// A file as text; empty when it cannot be read.
+std::string contents(const std::filesystem::path& file);
+
 /// The lines of a log that say what went wrong: from OpenFOAM's "FATAL" on, else the last ones.
 std::string log_excerpt(const std::filesystem::path& log);
 

@@ -108,11 +108,6 @@ std::pair<std::size_t, std::size_t> internal_field(const std::string& text, cons
   return {from, to};
 }
 
-std::string contents(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 bool ended_well(const fs::path& log) {
   std::ifstream in(log, std::ios::ate);
   const auto size = in.tellg();

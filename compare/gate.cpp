@@ -148,6 +148,28 @@ GateResult run_gate(const Baseline& baseline, const std::vector<CaseRecord>& rec
   return run_gate(baseline, records, [](const NamedModel& named) { return predictor(named.choice); });
 }
 
+GateCheck check_solved_again(const std::vector<CaseRecord>& stored, const std::vector<CaseRecord>& solved) {
+  constexpr double stop_tolerance = 0.003;
+  Tally tally("solved again");
+  for (const CaseRecord& run : solved) {
+    const auto found = std::find_if(stored.begin(), stored.end(), [&](const CaseRecord& record) { return record.name == run.name; });
+    if (found == stored.end() || !case_record::is_usable(found->status) || !case_record::is_usable(run.status)) {
+      tally.add(2.0, fmt::format("{}: {} now, {} in the references", run.name, case_record::to_string(run.status),
+                                 found == stored.end() ? "missing" : case_record::to_string(found->status)));
+      continue;
+    }
+    const auto now = coefficients(run).values, was = coefficients(*found).values;
+    const auto variance = [](const CaseRecord& record) -> CaseRecord::Channels {
+      return (record.u_iteration.array().square() + record.u_statistical.array().square() + record.u_null.array().square()).matrix();
+    };
+    const CaseRecord::Channels u = (variance(run) + variance(*found)).cwiseSqrt().cwiseQuotient(coefficient_scales(run));
+    for (int k = 0; k < 6; ++k)
+      tally.add(std::abs(now[k] - was[k]) / std::max(2.0 * u[k], stop_tolerance * std::abs(was[0])),
+                fmt::format("{} {} {:.5f}, stored {:.5f}", run.name, symbol(static_cast<Channel>(k)), now[k], was[k]));
+  }
+  return tally.result();
+}
+
 std::string render(const GateResult& result, bool colour) {
   std::string text;
   for (const GateCheck& check : result.checks) {

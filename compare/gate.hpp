@@ -43,6 +43,11 @@ GateResult run_gate(const Baseline& baseline, const std::vector<case_record::Cas
                     const std::function<Predictor(const NamedModel&)>& predictor_of);
 GateResult run_gate(const Baseline& baseline, const std::vector<case_record::CaseRecord>& records);
 
+/// Cases solved again against the stored ones of the same name, channel by channel: apart by no more than twice their uncertainties of
+/// iteration, statistics and symmetry, or the tolerance at which a run stops, 0.3 % of C_D. (The mesh is the same.) A case that is not
+/// stored, or not usable now, fails.
+GateCheck check_solved_again(const std::vector<case_record::CaseRecord>& stored, const std::vector<case_record::CaseRecord>& solved);
+
 /// One line per check, and a verdict.
 std::string render(const GateResult& result, bool colour = false);
 nlohmann::json to_json(const GateResult& result);

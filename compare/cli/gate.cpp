@@ -16,6 +16,7 @@ void add_gate(CLI::App& app, Context& context) {
   struct Options {
     SourceOptions source;
     std::string baseline = "results/baselines/quick.json";
+    std::string solved;
     bool json = false;
   };
   const auto options = std::make_shared<Options>();
@@ -25,10 +26,14 @@ void add_gate(CLI::App& app, Context& context) {
       "Example: dragval gate --baseline results/baselines/quick.json");
   add_source_options(*command, options->source);
   command->add_option("--baseline", options->baseline, "Accepted predictions, errors and budgets")->capture_default_str();
+  command->add_option("--solved", options->solved, "Cache folder of cases that were solved again: they must agree with the stored ones");
   command->add_flag("--json", options->json, "Print JSON");
   command->callback([options, &context] {
     const compare::Baseline baseline = compare::read_baseline(options->baseline);
-    const compare::GateResult result = compare::run_gate(baseline, load(options->source).reference.cases);
+    const std::vector<compare::CaseRecord> records = load(options->source).reference.cases;
+    compare::GateResult result = compare::run_gate(baseline, records);
+    if (!options->solved.empty())
+      result.checks.push_back(compare::check_solved_again(records, compare::read_runs(std::filesystem::path(options->solved) / "runs")));
     if (options->json)
       std::cout << compare::to_json(result).dump(2) << "\n";
     else

@@ -136,6 +136,23 @@ TEST_CASE("a reference that leans where symmetry forbids it turns the gate red",
   CHECK_THAT(failures(result), Contains("null channels"));
 }
 
+TEST_CASE("cases solved again agree within their uncertainty, or the gate says by how much they do not", "[compare][gate][regression]") {
+  const auto records = sample::quick_tier();
+  CHECK(compare::check_solved_again(records, {records[0], records[4]}).passed);
+  auto again = records[4];
+  again.load.force_pressure.x() *= 1.05;  // its uncertainty is far below 5 %
+  const auto check = compare::check_solved_again(records, {again});
+  CHECK_FALSE(check.passed);
+  CHECK_THAT(check.detail, Contains(again.name + " C_D"));
+  again = records[4];
+  again.status = case_record::Status::diverged;
+  CHECK_FALSE(compare::check_solved_again(records, {again}).passed);
+  again = records[4];
+  again.name = "another_medium";
+  CHECK_FALSE(compare::check_solved_again(records, {again}).passed);
+  CHECK_FALSE(compare::check_solved_again(records, {}).passed);  // nothing to look at
+}
+
 TEST_CASE("a baseline comes back from its file, with all reasons", "[compare][gate][invariance]") {
   const sample::Folder folder;
   const auto records = sample::quick_tier();
