@@ -62,17 +62,12 @@ struct Solid {
   }
 };
 
-/// Distance from a point to an axis-aligned box.
-double distance_to(const Vector3d& lower, const Vector3d& upper, const Vector3d& p) {
-  return (lower - p).cwiseMax(p - upper).cwiseMax(0.0).norm();
-}
-
 void make_mesh(const nlohmann::json& request, const std::string& output) {
   const dragcore::Shape shape = cfd_cases::shape_from_json(request.at("shape"));
   const cfd_cases::MeshRecipe recipe = cfd_cases::recipe_from_json(request.at("recipe"));
   const auto angle = [&](const char* name) { return request.at("pose").at(name).get<double>() * std::numbers::pi / 180.0; };
   const dragcore::Pose pose{angle("incidence_deg"), angle("yaw_deg"), angle("roll_deg")};
-  const std::string symmetry = request.at("symmetry");
+  const auto symmetry = cfd_cases::symmetry_from(request.at("symmetry").get<std::string>());
   const double scale = cfd_cases::body_scale(shape);
   const auto properties = dragcore::properties(shape);
 
@@ -85,10 +80,10 @@ void make_mesh(const nlohmann::json& request, const std::string& output) {
   Vector3d lower, upper;
   gmsh::model::getBoundingBox(3, body, lower.x(), lower.y(), lower.z(), upper.x(), upper.y(), upper.z());
 
-  Vector3d inlet = lower - scale * Vector3d(recipe.upstream, recipe.sideways, recipe.sideways);
-  const Vector3d outlet = upper + scale * Vector3d(recipe.downstream, recipe.sideways, recipe.sideways);
-  const int halved = symmetry == "plane_y" ? 1 : symmetry == "plane_z" ? 2 : -1;
-  if (halved >= 0) inlet[halved] = 0.0;
+  const Eigen::AlignedBox3d bounds(lower, upper);
+  const Eigen::AlignedBox3d around = cfd_cases::air_around(bounds, scale, recipe, symmetry);
+  const Vector3d inlet = around.min(), outlet = around.max();
+  const int halved = symmetry == cfd_cases::Symmetry::plane_y ? 1 : symmetry == cfd_cases::Symmetry::plane_z ? 2 : -1;
   const Vector3d extent = outlet - inlet;
   const int box = occ::addBox(inlet.x(), inlet.y(), inlet.z(), extent.x(), extent.y(), extent.z());
   Entities air;
@@ -117,19 +112,8 @@ void make_mesh(const nlohmann::json& request, const std::string& output) {
   for (const auto& [name, tags] : patches) gmsh::model::setPhysicalName(2, gmsh::model::addPhysicalGroup(2, tags), name);
   gmsh::model::setPhysicalName(3, gmsh::model::addPhysicalGroup(3, {air[0].second}), "air");
 
-  // The size is a function of the place alone, so that the half of a symmetric case is the half of its whole.
-  const Eigen::Matrix3d to_body = pose.rotation().transpose();
-  const auto boxed = [&](const Vector3d& p, double margin, double length) {
-    return distance_to(lower - scale * Vector3d::Constant(margin), upper + scale * Vector3d(length, margin, margin), p);
-  };
-  gmsh::model::mesh::setSizeCallback([&](int, int, double x, double y, double z) {
-    const Vector3d p(x, y, z);
-    const double from_body = scale * recipe.body_size + recipe.growth * cfd_cases::distance_to_body(shape, to_body * p);
-    const double from_wake = scale * recipe.wake_size + recipe.growth * boxed(p, recipe.wake_margin, recipe.wake_length);
-    const double from_outer = scale * recipe.outer_size + recipe.growth * boxed(p, recipe.outer_margin, recipe.outer_length);
-    const double from_tip = scale * recipe.tip_size + recipe.growth * cfd_cases::distance_to_tip(shape, to_body * p);
-    return recipe.refinement * std::min({from_body, from_tip, from_wake, from_outer, scale * recipe.far_size});
-  });
+  const cfd_cases::SizeField size(shape, pose, recipe, bounds);
+  gmsh::model::mesh::setSizeCallback([&](int, int, double x, double y, double z) { return size(Vector3d(x, y, z)); });
   for (const char* source :
        {"Mesh.CharacteristicLengthExtendFromBoundary", "Mesh.CharacteristicLengthFromPoints", "Mesh.CharacteristicLengthFromCurvature"})
     gmsh::option::setNumber(source, 0);

@@ -18,6 +18,11 @@ using Eigen::Vector3d;
 
 namespace {
 
+/// Distance from a point to an axis-aligned box.
+double distance_to(const Vector3d& lower, const Vector3d& upper, const Vector3d& p) {
+  return (lower - p).cwiseMax(p - upper).cwiseMax(0.0).norm();
+}
+
 double distance_to_box(const Vector3d& half_extent, const Vector3d& p) { return (p.cwiseAbs() - half_extent).cwiseMax(0.0).norm(); }
 
 /// Distance in the meridian plane (x along the axis, r off it) to the region under a convex profile, whose points run from nose to tail.
@@ -91,6 +96,12 @@ std::string to_string(Symmetry symmetry) {
   return symmetry == Symmetry::none ? "none" : symmetry == Symmetry::plane_y ? "plane_y" : "plane_z";
 }
 
+Symmetry symmetry_from(const std::string& word) {
+  for (const Symmetry symmetry : {Symmetry::none, Symmetry::plane_y, Symmetry::plane_z})
+    if (word == to_string(symmetry)) return symmetry;
+  throw std::invalid_argument(fmt::format("symmetry '{}' is unknown: use none, plane_y or plane_z", word));
+}
+
 Symmetry find_symmetry(const dragcore::Shape& shape, const dragcore::Pose& pose) {
   const Eigen::Matrix3d to_body = pose.rotation().transpose();
   if (dragcore::mirror_symmetric(shape, to_body * Vector3d::UnitY())) return Symmetry::plane_y;
@@ -120,6 +131,28 @@ double distance_to_tip(const dragcore::Shape& shape, const Vector3d& point_body)
   if (std::holds_alternative<dragcore::Teardrop>(shape))
     return (point_body - Vector3d(properties.nose_x + properties.length_x, 0, 0)).norm();
   return std::numeric_limits<double>::infinity();
+}
+
+Eigen::AlignedBox3d air_around(const Eigen::AlignedBox3d& body, double scale, const MeshRecipe& recipe, Symmetry symmetry) {
+  Vector3d inlet = body.min() - scale * Vector3d(recipe.upstream, recipe.sideways, recipe.sideways);
+  const Vector3d outlet = body.max() + scale * Vector3d(recipe.downstream, recipe.sideways, recipe.sideways);
+  if (symmetry == Symmetry::plane_y) inlet.y() = 0.0;
+  if (symmetry == Symmetry::plane_z) inlet.z() = 0.0;
+  return {inlet, outlet};
+}
+
+SizeField::SizeField(const dragcore::Shape& shape, const dragcore::Pose& pose, const MeshRecipe& recipe, const Eigen::AlignedBox3d& body)
+    : shape_(shape), recipe_(recipe), body_(body), to_body_(pose.rotation().transpose()), scale_(body_scale(shape)) {}
+
+double SizeField::operator()(const Vector3d& p) const {
+  const auto boxed = [&](double margin, double length) {
+    return distance_to(body_.min() - scale_ * Vector3d::Constant(margin), body_.max() + scale_ * Vector3d(length, margin, margin), p);
+  };
+  const double from_body = scale_ * recipe_.body_size + recipe_.growth * distance_to_body(shape_, to_body_ * p);
+  const double from_wake = scale_ * recipe_.wake_size + recipe_.growth * boxed(recipe_.wake_margin, recipe_.wake_length);
+  const double from_outer = scale_ * recipe_.outer_size + recipe_.growth * boxed(recipe_.outer_margin, recipe_.outer_length);
+  const double from_tip = scale_ * recipe_.tip_size + recipe_.growth * distance_to_tip(shape_, to_body_ * p);
+  return recipe_.refinement * std::min({from_body, from_tip, from_wake, from_outer, scale_ * recipe_.far_size});
 }
 
 nlohmann::json to_json(const MeshRecipe& recipe) {

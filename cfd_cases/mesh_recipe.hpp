@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <dragcore/pose.hpp>
 #include <dragcore/shapes.hpp>
 #include <nlohmann/json_fwd.hpp>
@@ -12,6 +12,7 @@ namespace cfd_cases {
 /// symmetric.
 enum class Symmetry { none, plane_y, plane_z };
 std::string to_string(Symmetry symmetry);
+Symmetry symmetry_from(const std::string& word);  ///< @throws std::invalid_argument on an unknown word
 
 /// The symmetry plane that body and pose allow: y = 0 first (poses in incidence), then z = 0 (poses in yaw).
 Symmetry find_symmetry(const dragcore::Shape& shape, const dragcore::Pose& pose);
@@ -50,6 +51,31 @@ double distance_to_body(const dragcore::Shape& shape, const Eigen::Vector3d& poi
 
 /// Distance to the sharp point of a cone or teardrop [m]; infinite for other shapes.
 double distance_to_tip(const dragcore::Shape& shape, const Eigen::Vector3d& point_body);
+
+/// The air that is meshed around a body whose bounding box in its pose is `body`: recipe's distances to the sides, and the plane of symmetry
+/// in place of the side that a half model does not have. Wind frame [m].
+Eigen::AlignedBox3d air_around(const Eigen::AlignedBox3d& body, double scale, const MeshRecipe& recipe, Symmetry symmetry);
+
+/// The edge length of the tetrahedra as a function of the place alone, so that the half of a symmetric case is the half of its whole:
+///
+///   h(p) = refinement min(h_body + g d_body, h_tip + g d_tip, h_wake + g d_wake, h_outer + g d_outer, h_far)
+///
+/// with the distances d of p to the body, its sharp point and the two boxes around it, and the growth g. What the mesher asks at every point
+/// and what predicted_cells() integrates are this one function.
+class SizeField {
+ public:
+  /// @param body  bounding box of the body in its pose, wind frame [m]
+  SizeField(const dragcore::Shape& shape, const dragcore::Pose& pose, const MeshRecipe& recipe, const Eigen::AlignedBox3d& body);
+
+  double operator()(const Eigen::Vector3d& point_wind) const;  ///< [m]
+
+ private:
+  dragcore::Shape shape_;
+  MeshRecipe recipe_;
+  Eigen::AlignedBox3d body_;
+  Eigen::Matrix3d to_body_;
+  double scale_;
+};
 
 /// Canonical description: part of the key, and the request that the meshing program reads.
 nlohmann::json to_json(const MeshRecipe& recipe);
