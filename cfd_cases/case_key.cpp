@@ -57,4 +57,35 @@ CaseIdentity identify(const CaseSpec& spec, const Tools& tools) {
   return id;
 }
 
+std::optional<DescribedCase> described_case(const std::string& description) {
+  try {
+    const auto text = nlohmann::json::parse(description);
+    const auto &mesh = text.at("mesh"), &pose = text.at("pose"), &stop = text.at("stop");
+    DescribedCase found;
+    CaseSpec& spec = found.spec;
+    spec.shape = shape_from_json(text.at("shape"));
+    spec.pose = {pose.at("incidence_deg"), pose.at("yaw_deg"), pose.at("roll_deg")};
+    spec.reynolds = text.at("reynolds");
+    spec.flow_model = text.at("flow_model");
+    spec.mesh_level = text.at("mesh_level");
+    spec.stop = {.min_iterations = stop.at("min_iterations"),
+                 .max_iterations = stop.at("max_iterations"),
+                 .window = stop.at("window"),
+                 .average = stop.at("average"),
+                 .tolerance = stop.at("tolerance"),
+                 .floor = stop.at("floor")};
+    spec.retries = text.at("retries");
+    CaseIdentity& id = found.identity;
+    id.symmetry = symmetry_from(mesh.at("symmetry"));
+    id.recipe = recipe_from_json(mesh.at("recipe"));
+    id.mesh_description = mesh.dump();
+    id.mesh_key = sha256(id.mesh_description);
+    id.description = description;
+    id.key = sha256(description);
+    return found;
+  } catch (const nlohmann::json::exception&) {  // a wind tunnel's, for example
+    return std::nullopt;
+  }
+}
+
 }  // namespace cfd_cases
