@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <deque>
 #include <exception>
@@ -26,19 +27,6 @@ using case_record::CaseRecord;
 using Clock = std::chrono::steady_clock;
 
 namespace {
-
-double total_cpu_s(const CaseRecord& record) {
-  double sum = 0.0;
-  for (const auto& [stage, cost] : record.cost) sum += cost.cpu_s;
-  return sum;
-}
-
-/// CPU seconds of a case by level, before anything is stored: measured in the quick tier (coarse, medium) and scaled by cells and
-/// iterations.
-double default_cpu_s(const CaseSpec& spec) {
-  static const std::map<std::string, double> seconds{{"coarse", 5.0}, {"medium", 14.0}, {"fine", 50.0}, {"finest", 180.0}};
-  return seconds.at(spec.mesh_level);
-}
 
 /// What the terminal shows. Called by all workers.
 class Display {
@@ -103,21 +91,15 @@ class Display {
 
 std::vector<PlannedCase> plan(const Matrix& matrix, const Tools& tools, const Cache& cache, const RunStore& store,
                               const std::string& only, const std::map<std::string, CaseRecord>& known) {
+  const CostModel model = read_cost_model(cost_model_file());
   std::vector<PlannedCase> cases;
-  std::map<std::string, std::pair<double, int>> costs;  // sum and number of stored costs, by likeness
-  const auto like = [](const CaseSpec& spec) { return spec.flow_model + " " + spec.mesh_level; };
   for (const CaseSpec& spec : matrix.cases) {
     if (!only.empty() && fnmatch(only.c_str(), spec.name.c_str(), 0) != 0 && spec.name.find(only) == std::string::npos) continue;
-    PlannedCase planned{.spec = spec, .identity = identify(spec, tools), .cached = {}, .predicted_cpu_s = 0.0, .prediction = {}};
+    PlannedCase planned{.spec = spec, .identity = identify(spec, tools)};
     if (const fs::path run = cache.run(planned.identity.key); fs::exists(run))
       planned.cached = store.read(run);
     else if (const auto found = known.find(planned.identity.key); found != known.end())
       planned.cached = found->second;
-    if (planned.cached && case_record::is_usable(planned.cached->status))
-      for (const std::string& key : {like(spec), like(spec) + " " + dragcore::kind(spec.shape)}) {
-        costs[key].first += total_cpu_s(*planned.cached);
-        costs[key].second += 1;
-      }
     cases.push_back(std::move(planned));
   }
   // A case comes after the one that it starts from: backwards, whoever must be solved again for its fields asks for its own start, too.
@@ -130,16 +112,34 @@ std::vector<PlannedCase> plan(const Matrix& matrix, const Tools& tools, const Ca
     found->second->keep_fields = true;
     if (planned->to_solve(false) && !fs::exists(cache.fields(start))) found->second->fields_missing = true;
   }
+  std::vector<const CaseRecord*> solved_here;
+  for (const PlannedCase& planned : cases)
+    if (planned.cached) solved_here.push_back(&*planned.cached);
+  const Pace pace = pace_of(model, solved_here);
+  std::set<std::string> meshes;
   for (PlannedCase& planned : cases) {
-    planned.predicted_cpu_s = default_cpu_s(planned.spec);
-    planned.prediction = "default of the level";
-    for (const std::string& key : {like(planned.spec), like(planned.spec) + " " + dragcore::kind(planned.spec.shape)})
-      if (const auto found = costs.find(key); found != costs.end()) {
-        planned.predicted_cpu_s = found->second.first / found->second.second;
-        planned.prediction = fmt::format("{} stored cases: {}", found->second.second, key);
-      }
+    planned.pace = pace;
+    planned.estimate = model.estimate(planned.spec, planned.identity);
+    const std::string& mesh = planned.identity.mesh_key;
+    if (!planned.cached && (fs::exists(cache.mesh(mesh)) || !meshes.insert(mesh).second))
+      planned.estimate.cpu_s["mesh"] = planned.estimate.cpu_s["convert"] = 0.0;
+    planned.predicted_cpu_s = pace.factor * planned.estimate.total_cpu_s();
+    planned.predicted_memory_bytes = planned.estimate.memory_bytes;
   }
   return cases;
+}
+
+PredictedSum predicted_sum(const std::vector<PlannedCase>& cases) {
+  PredictedSum sum;
+  double variance = 0.0;
+  for (const PlannedCase& planned : cases) {
+    if (planned.cached) continue;
+    sum.cpu_s += planned.predicted_cpu_s;
+    variance += std::pow(planned.estimate.relative_uncertainty * planned.predicted_cpu_s, 2);
+  }
+  if (!cases.empty()) variance += std::pow(cases.front().pace.relative_uncertainty() * sum.cpu_s, 2);
+  sum.uncertainty = std::sqrt(variance);
+  return sum;
 }
 
 CampaignResult run_campaign(const std::vector<PlannedCase>& cases, const Tools& tools, const Cache& cache, const RunStore& store,

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "cfd_cases/cost_model.hpp"
 #include "cfd_cases/matrix.hpp"
 #include "cfd_cases/mesh.hpp"
 
@@ -26,10 +27,13 @@ struct PlannedCase {
   CaseSpec spec;
   CaseIdentity identity;
   std::optional<case_record::CaseRecord> cached;
-  double predicted_cpu_s = 0.0;  ///< of all stages, if it has to be solved
-  std::string prediction;        ///< what the prediction rests on
-  bool keep_fields = false;      ///< a case of the matrix starts from its fields
-  bool fields_missing = false;   ///< such a case is to be solved, and the fields are not in the cache
+  bool keep_fields = false;     ///< a case of the matrix starts from its fields
+  bool fields_missing = false;  ///< such a case is to be solved, and the fields are not in the cache
+
+  CostEstimate estimate;                ///< of solving it, on the machine of the fit
+  Pace pace;                            ///< of this machine, the same for all cases of a plan
+  double predicted_cpu_s = 0.0;         ///< of all stages, here
+  double predicted_memory_bytes = 0.0;  ///< largest resident set, on one rank
 
   bool to_solve(bool retry_failed) const {
     return !cached || fields_missing || (retry_failed && !case_record::is_usable(cached->status));
@@ -38,10 +42,16 @@ struct PlannedCase {
 
 /// @param known  cases solved elsewhere, by key: they count as cached, so that a campaign goes on from a committed file of references
 /// @param only  a shell pattern (* ? [...]) on case names, or part of a name; empty for all
-/// Predictions are the mean cost of cached cases with the same flow model, level and shape, then of any shape, then a default measured
-/// once.
+/// Costs come from the model in cost_model_file(), scaled by the pace of the cases that are cached. A case that is to be solved pays
+/// nothing for a mesh that is cached, or that an earlier case of the plan makes.
 std::vector<PlannedCase> plan(const Matrix& matrix, const Tools& tools, const Cache& cache, const RunStore& store,
                               const std::string& only = {}, const std::map<std::string, case_record::CaseRecord>& known = {});
+
+/// CPU seconds of the cases of a plan that are not cached, with one standard uncertainty: that of each case, and of the pace for all.
+struct PredictedSum {
+  double cpu_s = 0.0, uncertainty = 0.0;
+};
+PredictedSum predicted_sum(const std::vector<PlannedCase>& cases);
 
 struct CampaignOptions {
   int jobs = 1;   ///< cases side by side

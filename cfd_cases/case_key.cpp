@@ -20,19 +20,14 @@ std::string sha256(const std::string& text) {
 
 CaseIdentity identify(const CaseSpec& spec, const Tools& tools) {
   CaseIdentity id;
-  if (spec.half_model) id.symmetry = find_symmetry(spec.shape, spec.pose.radians(), spec.spin.direction());
   id.recipe = spec.recipe;
   id.recipe.refinement = refinement_of(spec.mesh_level, spec.octree());
-  if (spec.mesh_in_body_frame()) {
-    id.to_wind = spec.pose.radians().rotation();
-    // The half of a mesh that stays with the body is cut along a plane of the body's own axes.
-    const Eigen::Vector3d normal = Eigen::Vector3d::Unit(id.symmetry == Symmetry::plane_z ? 2 : 1);
-    if (!(id.to_wind * normal).isApprox(normal, 1e-12)) id.symmetry = Symmetry::none;
-  }
+  if (spec.mesh_in_body_frame()) id.to_wind = spec.pose.radians().rotation();
+  if (spec.half_model) id.symmetry = find_symmetry(spec.shape, spec.pose.radians(), spec.spin.direction(), id.to_wind);
   const auto degrees = [](const PoseDegrees& pose) {
     return nlohmann::json{{"incidence_deg", pose.incidence}, {"yaw_deg", pose.yaw}, {"roll_deg", pose.roll}};
   };
-  const nlohmann::json pose = degrees(spec.pose), mesh_pose = degrees(spec.mesh_in_body_frame() ? PoseDegrees{} : spec.pose);
+  const nlohmann::json pose = degrees(spec.pose), mesh_pose = degrees(spec.mesh_pose());
   const nlohmann::json mesh{{"shape", to_json(spec.shape)},       {"pose", mesh_pose},
                             {"symmetry", to_string(id.symmetry)}, {"recipe", to_json(id.recipe)},
                             {"size_factors", kSizeFactors},       {"tools", tools.versions()}};
@@ -71,6 +66,43 @@ CaseIdentity identify(const CaseSpec& spec, const Tools& tools) {
   id.description = description.dump();
   id.key = sha256(id.description);
   return id;
+}
+
+std::optional<DescribedCase> described_case(const std::string& description) {
+  try {
+    const auto text = nlohmann::json::parse(description);
+    const auto &mesh = text.at("mesh"), &pose = text.at("pose"), &stop = text.at("stop");
+    DescribedCase found;
+    CaseSpec& spec = found.spec;
+    spec.shape = shape_from_json(text.at("shape"));
+    spec.pose = {pose.at("incidence_deg"), pose.at("yaw_deg"), pose.at("roll_deg")};
+    spec.reynolds = text.at("reynolds");
+    spec.flow_model = text.at("flow_model");
+    spec.mesh_level = text.at("mesh_level");
+    spec.stop = {.min_iterations = stop.at("min_iterations"),
+                 .max_iterations = stop.at("max_iterations"),
+                 .window = stop.at("window"),
+                 .average = stop.at("average"),
+                 .tolerance = stop.at("tolerance"),
+                 .floor = stop.at("floor")};
+    spec.retries = text.at("retries");
+    CaseIdentity& id = found.identity;
+    id.symmetry = symmetry_from(mesh.at("symmetry"));
+    id.recipe = recipe_from_json(mesh.at("recipe"));
+    spec.recipe = id.recipe;
+    spec.recipe.refinement = 1.0;
+    spec.half_model = id.symmetry != Symmetry::none;
+    if (const auto spin = text.find("spin"); spin != text.end()) spec.spin = {spin->at("axis"), spin->at("ratio")};
+    if (const auto time = text.find("time"); time != text.end()) spec.time = {time->at("step"), time->at("duration"), time->at("discard")};
+    spec.turn_wind = text.contains("mesh_frame");
+    id.mesh_description = mesh.dump();
+    id.mesh_key = sha256(id.mesh_description);
+    id.description = description;
+    id.key = sha256(description);
+    return found;
+  } catch (const nlohmann::json::exception&) {  // a wind tunnel's, for example
+    return std::nullopt;
+  }
 }
 
 }  // namespace cfd_cases

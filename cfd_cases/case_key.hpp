@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "cfd_cases/matrix.hpp"
@@ -20,6 +21,14 @@ struct CaseIdentity {
   std::string start_key;  ///< of the case it starts from; empty: from uniform flow
 };
 CaseIdentity identify(const CaseSpec& spec, const Tools& tools);
+
+/// The case that a stored description tells of, as far as it decides mesh, method and limits: what only enters as the digest of the
+/// dictionaries (numerics), and name and tier, keep their defaults. Empty when the text is no description of identify().
+struct DescribedCase {
+  CaseSpec spec;
+  CaseIdentity identity;
+};
+std::optional<DescribedCase> described_case(const std::string& description);
 
 /// Factors of all cell sizes that are tried one after the other until checkMesh accepts the mesh.
 inline constexpr double kSizeFactors[] = {1.0, 0.97, 0.94};

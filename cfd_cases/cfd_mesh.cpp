@@ -62,15 +62,9 @@ struct Solid {
   }
 };
 
-/// Distance from a point to an axis-aligned box.
-double distance_to(const Vector3d& lower, const Vector3d& upper, const Vector3d& p) {
-  return (lower - p).cwiseMax(p - upper).cwiseMax(0.0).norm();
-}
-
 /// The axis square to the symmetry plane of a half model, or -1.
-int halved_axis(const nlohmann::json& request) {
-  const std::string symmetry = request.at("symmetry");
-  return symmetry == "plane_y" ? 1 : symmetry == "plane_z" ? 2 : -1;
+int halved_axis(cfd_cases::Symmetry symmetry) {
+  return symmetry == cfd_cases::Symmetry::plane_y ? 1 : symmetry == cfd_cases::Symmetry::plane_z ? 2 : -1;
 }
 
 void name_patches(const std::map<std::string, std::vector<int>>& patches, int air) {
@@ -82,16 +76,12 @@ void name_patches(const std::map<std::string, std::vector<int>>& patches, int ai
 void make_base_grid(const nlohmann::json& request, const std::string& output) {
   const dragcore::Shape shape = cfd_cases::shape_from_json(request.at("shape"));
   const cfd_cases::MeshRecipe recipe = cfd_cases::recipe_from_json(request.at("recipe"));
-  const double size = recipe.far_size * cfd_cases::body_scale(shape);
-  const int halved = halved_axis(request), lee = halved == 2 ? 1 : 2;
-  const auto cells = [&](double length) { return static_cast<int>(std::lround(length / recipe.far_size)); };
-  int below[3] = {cells(recipe.upstream), cells(recipe.sideways), cells(recipe.sideways)};
-  int above[3] = {cells(recipe.downstream), cells(recipe.sideways), cells(recipe.sideways)};
-  // The wind turns towards +z by incidence, towards -y by yaw.
-  (lee == 2 ? above[2] : below[1]) = cells(recipe.downstream);
-  if (halved >= 0) below[halved] = 0;
-  occ::addBox(-below[0] * size, -below[1] * size, -below[2] * size, (below[0] + above[0]) * size, (below[1] + above[1]) * size,
-              (below[2] + above[2]) * size);
+  const auto symmetry = cfd_cases::symmetry_from(request.at("symmetry").get<std::string>());
+  const cfd_cases::BaseGrid grid = cfd_cases::base_grid(shape, recipe, symmetry);
+  const int halved = halved_axis(symmetry);
+  const double size = grid.size;
+  const Vector3d corner = -size * grid.below.cast<double>(), extent = size * (grid.below + grid.above).cast<double>();
+  occ::addBox(corner.x(), corner.y(), corner.z(), extent.x(), extent.y(), extent.z());
   occ::synchronize();
   Entities curves, faces, air;
   gmsh::model::getEntities(curves, 1);
@@ -122,6 +112,7 @@ void make_mesh(const nlohmann::json& request, const std::string& output) {
   const cfd_cases::MeshRecipe recipe = cfd_cases::recipe_from_json(request.at("recipe"));
   const auto angle = [&](const char* name) { return request.at("pose").at(name).get<double>() * std::numbers::pi / 180.0; };
   const dragcore::Pose pose{angle("incidence_deg"), angle("yaw_deg"), angle("roll_deg")};
+  const auto symmetry = cfd_cases::symmetry_from(request.at("symmetry").get<std::string>());
   const double scale = cfd_cases::body_scale(shape);
   const auto properties = dragcore::properties(shape);
 
@@ -134,10 +125,10 @@ void make_mesh(const nlohmann::json& request, const std::string& output) {
   Vector3d lower, upper;
   gmsh::model::getBoundingBox(3, body, lower.x(), lower.y(), lower.z(), upper.x(), upper.y(), upper.z());
 
-  Vector3d inlet = lower - scale * Vector3d(recipe.upstream, recipe.sideways, recipe.sideways);
-  const Vector3d outlet = upper + scale * Vector3d(recipe.downstream, recipe.sideways, recipe.sideways);
-  const int halved = halved_axis(request);
-  if (halved >= 0) inlet[halved] = 0.0;
+  const Eigen::AlignedBox3d bounds(lower, upper);
+  const Eigen::AlignedBox3d around = cfd_cases::air_around(bounds, scale, recipe, symmetry);
+  const Vector3d inlet = around.min(), outlet = around.max();
+  const int halved = halved_axis(symmetry);
   const Vector3d extent = outlet - inlet;
   const double radius = scale * recipe.far_radius;
   Entities air;
@@ -185,19 +176,8 @@ void make_mesh(const nlohmann::json& request, const std::string& output) {
   }
   name_patches(patches, air[0].second);
 
-  // The size is a function of the place alone, so that the half of a symmetric case is the half of its whole.
-  const Eigen::Matrix3d to_body = pose.rotation().transpose();
-  const auto boxed = [&](const Vector3d& p, double margin, double length) {
-    return distance_to(lower - scale * Vector3d::Constant(margin), upper + scale * Vector3d(length, margin, margin), p);
-  };
-  gmsh::model::mesh::setSizeCallback([&](int, int, double x, double y, double z) {
-    const Vector3d p(x, y, z);
-    const double from_body = scale * recipe.body_size + recipe.growth * cfd_cases::distance_to_body(shape, to_body * p);
-    const double from_wake = scale * recipe.wake_size + recipe.growth * boxed(p, recipe.wake_margin, recipe.wake_length);
-    const double from_outer = scale * recipe.outer_size + recipe.growth * boxed(p, recipe.outer_margin, recipe.outer_length);
-    const double from_tip = scale * recipe.tip_size + recipe.growth * cfd_cases::distance_to_tip(shape, to_body * p);
-    return recipe.refinement * std::min({from_body, from_tip, from_wake, from_outer, scale * recipe.far_size});
-  });
+  const cfd_cases::SizeField size(shape, pose, recipe, bounds, symmetry);
+  gmsh::model::mesh::setSizeCallback([&](int, int, double x, double y, double z) { return size(Vector3d(x, y, z)); });
   for (const char* source :
        {"Mesh.CharacteristicLengthExtendFromBoundary", "Mesh.CharacteristicLengthFromPoints", "Mesh.CharacteristicLengthFromCurvature"})
     gmsh::option::setNumber(source, 0);

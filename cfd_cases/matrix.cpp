@@ -185,14 +185,7 @@ void read_special(Table& table, const fs::path& file, Sweep& sweep) {
   table.number("spin_ratio", spec.spin.ratio, 1e-3, 1000.0);
   table.flag("chain", sweep.chain);
   table.word("start", sweep.start);
-  if (mesher == "octree") {
-    spec.recipe = octree_recipe();
-    try {
-      flat_half_extent(spec.shape);
-    } catch (const std::invalid_argument& error) {
-      table.fail(error.what());
-    }
-  }
+  if (mesher == "octree") spec.recipe = octree_recipe();
   int seed = 0;
   table.integer("mesh_seed", seed, 0, 1000000);
   spec.recipe.seed = seed;
@@ -211,7 +204,9 @@ void read_special(Table& table, const fs::path& file, Sweep& sweep) {
   if (unusual && spec.variant.empty())
     table.fail("numerics, recipe, air, turn_wind, half_model, mesh_seed and min_iterations need variant = \"word\", which tells the cases from the usual ones");
   for (const std::string& level : sweep.levels) try {
-      refinement_of(level, spec.octree());
+      MeshRecipe recipe = spec.recipe;
+      recipe.refinement = refinement_of(level, spec.octree());
+      if (spec.octree()) OctreeSizes(spec.shape, recipe, Symmetry::none);  // does it fit?
     } catch (const std::invalid_argument& error) {
       table.fail(error.what());
     }

@@ -90,6 +90,7 @@ struct CaseSpec {
 
   bool octree() const { return recipe.hexahedra != 0.0; }
   bool mesh_in_body_frame() const { return turn_wind || octree(); }
+  PoseDegrees mesh_pose() const { return mesh_in_body_frame() ? PoseDegrees{} : pose; }  ///< of the body in the frame of the mesh
   /// Solved in time: scale-resolving models, and bodies that spin in a wind.
   bool time_accurate() const { return flow_model == "k_omega_sst_ddes" || spin.ratio > 0.0; }
 };

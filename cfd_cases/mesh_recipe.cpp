@@ -19,6 +19,11 @@ using Eigen::Vector3d;
 
 namespace {
 
+/// Distance from a point to an axis-aligned box.
+double distance_to(const Vector3d& lower, const Vector3d& upper, const Vector3d& p) {
+  return (lower - p).cwiseMax(p - upper).cwiseMax(0.0).norm();
+}
+
 double distance_to_box(const Vector3d& half_extent, const Vector3d& p) { return (p.cwiseAbs() - half_extent).cwiseMax(0.0).norm(); }
 
 /// Distance in the meridian plane (x along the axis, r off it) to the region under a convex profile, whose points run from nose to tail.
@@ -66,7 +71,7 @@ struct Distance {
 
 const std::map<std::string, double> kRefinement{{"coarse", 1.4}, {"medium", 1.0}, {"fine", 1.0 / 1.4}, {"finest", 1.0 / 1.96}};
 
-const std::map<std::string, double> kOctreeRefinement{{"medium", 1.0}, {"fine", 0.5}, {"finest", 0.25}};
+const std::map<std::string, double> kOctreeRefinement{{"coarse", 2.0}, {"medium", 1.0}, {"fine", 0.5}, {"finest", 0.25}};
 
 /// The recipe's lengths and sizes by name, so that reading and writing cannot disagree.
 template <class Recipe, class Visit>
@@ -95,20 +100,31 @@ void visit_options(Recipe& r, Visit visit) {
   visit("wake_rise", r.wake_rise);
 }
 
+/// Where the wind turns towards, in a mesh that stays with the body: +z by incidence, -y by yaw.
+Vector3d lee_side(Symmetry symmetry) { return symmetry == Symmetry::plane_z ? Vector3d(0, -1, 0) : Vector3d(0, 0, 1); }
+
 }  // namespace
 
 std::string to_string(Symmetry symmetry) {
   return symmetry == Symmetry::none ? "none" : symmetry == Symmetry::plane_y ? "plane_y" : "plane_z";
 }
 
-Symmetry find_symmetry(const dragcore::Shape& shape, const dragcore::Pose& pose, const Vector3d& spin_axis) {
+Symmetry symmetry_from(const std::string& word) {
+  for (const Symmetry symmetry : {Symmetry::none, Symmetry::plane_y, Symmetry::plane_z})
+    if (word == to_string(symmetry)) return symmetry;
+  throw std::invalid_argument(fmt::format("symmetry '{}' is unknown: use none, plane_y or plane_z", word));
+}
+
+Symmetry find_symmetry(const dragcore::Shape& shape, const dragcore::Pose& pose, const Vector3d& spin_axis, const Eigen::Matrix3d& to_wind) {
   const Eigen::Matrix3d to_body = pose.rotation().transpose();
   // The mirror image of a spin is the same spin only about the plane's own normal.
-  const auto allows = [&](const Vector3d& normal) {
-    return dragcore::mirror_symmetric(shape, normal) && spin_axis.cross(normal).norm() <= 1e-12 * spin_axis.norm();
+  const auto allows = [&](const Vector3d& normal_wind) {
+    const Vector3d normal = to_body * normal_wind;
+    return (to_wind * normal_wind - normal_wind).norm() < 1e-12 && dragcore::mirror_symmetric(shape, normal) &&
+           spin_axis.cross(normal).norm() <= 1e-12 * spin_axis.norm();
   };
-  if (allows(to_body * Vector3d::UnitY())) return Symmetry::plane_y;
-  if (allows(to_body * Vector3d::UnitZ())) return Symmetry::plane_z;
+  if (allows(Vector3d::UnitY())) return Symmetry::plane_y;
+  if (allows(Vector3d::UnitZ())) return Symmetry::plane_z;
   return Symmetry::none;
 }
 
@@ -139,14 +155,12 @@ MeshRecipe octree_recipe() {
 double refinement_of(const std::string& level, bool octree) {
   const auto& known = octree ? kOctreeRefinement : kRefinement;
   if (const auto found = known.find(level); found != known.end()) return found->second;
-  throw std::invalid_argument(fmt::format("mesh level '{}' is unknown{}", level,
-                                          octree ? " for an octree: use medium, fine or finest" : ": use coarse, medium, fine or finest"));
+  throw std::invalid_argument(fmt::format("mesh level '{}' is unknown: use coarse, medium, fine or finest", level));
 }
 
 OctreeSizes::OctreeSizes(const dragcore::Shape& shape, const MeshRecipe& recipe, Symmetry symmetry)
     : shape_(shape), recipe_(recipe), scale_(body_scale(shape)), half_(flat_half_extent(shape)) {
-  // The wind turns towards +z by incidence, towards -y by yaw.
-  lee_ = symmetry == Symmetry::plane_z ? Vector3d(0, -1, 0) : Vector3d(0, 0, 1);
+  lee_ = lee_side(symmetry);
   const double finest = recipe.body_size * recipe.refinement * scale_;
   for (const double half : half_)
     if (const double cells = half / finest; std::abs(cells - std::round(cells)) > 1e-6 || cells < 0.5)
@@ -171,6 +185,21 @@ bool OctreeSizes::too_large(const Vector3d& lower, const Vector3d& upper) const 
   return (upper - lower).maxCoeff() > std::max(1.4 * wanted, 1.01 * recipe_.body_size * recipe_.refinement * scale_);
 }
 
+BaseGrid base_grid(const dragcore::Shape& shape, const MeshRecipe& recipe, Symmetry symmetry) {
+  const auto cubes = [&](double length) { return static_cast<int>(std::lround(length / recipe.far_size)); };
+  BaseGrid grid{{cubes(recipe.upstream), cubes(recipe.sideways), cubes(recipe.sideways)},
+                {cubes(recipe.downstream), cubes(recipe.sideways), cubes(recipe.sideways)},
+                recipe.far_size * body_scale(shape)};
+  const Vector3d lee = lee_side(symmetry);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (lee[axis] > 0.0) grid.above[axis] = grid.above.x();
+    if (lee[axis] < 0.0) grid.below[axis] = grid.above.x();
+  }
+  if (symmetry == Symmetry::plane_y) grid.below.y() = 0;
+  if (symmetry == Symmetry::plane_z) grid.below.z() = 0;
+  return grid;
+}
+
 Vector3d flat_half_extent(const dragcore::Shape& shape) {
   if (!std::holds_alternative<dragcore::Plate>(shape) && !std::holds_alternative<dragcore::Box>(shape))
     throw std::invalid_argument(fmt::format("an octree of cubes fits plates and boxes, not a {}", dragcore::kind(shape)));
@@ -187,6 +216,34 @@ double distance_to_tip(const dragcore::Shape& shape, const Vector3d& point_body)
   if (std::holds_alternative<dragcore::Teardrop>(shape))
     return (point_body - Vector3d(properties.nose_x + properties.length_x, 0, 0)).norm();
   return std::numeric_limits<double>::infinity();
+}
+
+Eigen::AlignedBox3d air_around(const Eigen::AlignedBox3d& body, double scale, const MeshRecipe& recipe, Symmetry symmetry) {
+  Vector3d inlet = body.min() - scale * Vector3d(recipe.upstream, recipe.sideways, recipe.sideways);
+  Vector3d outlet = body.max() + scale * Vector3d(recipe.downstream, recipe.sideways, recipe.sideways);
+  if (recipe.far_radius > 0.0) {
+    outlet.setConstant(scale * recipe.far_radius);
+    inlet = -outlet;
+  }
+  if (symmetry == Symmetry::plane_y) inlet.y() = 0.0;
+  if (symmetry == Symmetry::plane_z) inlet.z() = 0.0;
+  return {inlet, outlet};
+}
+
+SizeField::SizeField(const dragcore::Shape& shape, const dragcore::Pose& pose, const MeshRecipe& recipe, const Eigen::AlignedBox3d& body,
+                     Symmetry symmetry)
+    : shape_(shape), recipe_(recipe), body_(body), to_body_(pose.rotation().transpose()), lee_(lee_side(symmetry)), scale_(body_scale(shape)) {}
+
+double SizeField::operator()(const Vector3d& p) const {
+  const auto boxed = [&](double margin, double length) {
+    return distance_to(body_.min() - scale_ * (Vector3d::Constant(margin) - recipe_.wake_rise * lee_.cwiseMin(0.0)),
+                       body_.max() + scale_ * (Vector3d(length, margin, margin) + recipe_.wake_rise * lee_.cwiseMax(0.0)), p);
+  };
+  const double from_body = scale_ * recipe_.body_size + recipe_.growth * distance_to_body(shape_, to_body_ * p);
+  const double from_wake = scale_ * recipe_.wake_size + recipe_.growth * boxed(recipe_.wake_margin, recipe_.wake_length);
+  const double from_outer = scale_ * recipe_.outer_size + recipe_.growth * boxed(recipe_.outer_margin, recipe_.outer_length);
+  const double from_tip = scale_ * recipe_.tip_size + recipe_.growth * distance_to_tip(shape_, to_body_ * p);
+  return recipe_.refinement * std::min({from_body, from_tip, from_wake, from_outer, scale_ * recipe_.far_size});
 }
 
 std::vector<std::pair<const char*, double*>> recipe_lengths(MeshRecipe& recipe) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <dragcore/pose.hpp>
 #include <dragcore/shapes.hpp>
 #include <nlohmann/json_fwd.hpp>
@@ -14,11 +14,14 @@ namespace cfd_cases {
 /// symmetric.
 enum class Symmetry { none, plane_y, plane_z };
 std::string to_string(Symmetry symmetry);
+Symmetry symmetry_from(const std::string& word);  ///< @throws std::invalid_argument on an unknown word
 
 /// The symmetry plane that body, pose and spin allow: y = 0 first (poses in incidence), then z = 0 (poses in yaw). A body that spins has
 /// one only square to its axis.
 /// @param spin_axis  body frame; zero for a body at rest
-Symmetry find_symmetry(const dragcore::Shape& shape, const dragcore::Pose& pose, const Eigen::Vector3d& spin_axis = Eigen::Vector3d::Zero());
+/// @param to_wind    from the frame of the mesh, whose half is cut along one of its own planes; the identity where it is the wind frame
+Symmetry find_symmetry(const dragcore::Shape& shape, const dragcore::Pose& pose, const Eigen::Vector3d& spin_axis = Eigen::Vector3d::Zero(),
+                       const Eigen::Matrix3d& to_wind = Eigen::Matrix3d::Identity());
 
 /// The length that all sizes below are multiples of: the second largest extent of the body, that is the shorter side of a plate, the
 /// diameter of a body of revolution [m].
@@ -51,11 +54,11 @@ struct MeshRecipe {
 };
 
 /// The recipe of an octree of cubes around a body with flat sides, for scale-resolving runs: the size on the body fits a plate of
-/// thickness 0.05. Levels differ by 2, and none is coarser than "medium".
+/// thickness 0.05. Levels differ by 2; a cube is content with "coarse", which does not fit such a plate.
 MeshRecipe octree_recipe();
 
 /// Cell size factor of a level: consecutive levels differ by 1.4, which gives 2.2-2.7 times the cells (of an octree by 2). "medium" is 1.
-/// @throws std::invalid_argument on an unknown level, listing the known ones; octree: on "coarse", which does not fit a thin plate
+/// @throws std::invalid_argument on an unknown level, listing the known ones
 double refinement_of(const std::string& level, bool octree = false);
 
 /// Distance from a point to the surface of the body (exact for flat-sided bodies and bodies of revolution, first order for other
@@ -65,12 +68,41 @@ double distance_to_body(const dragcore::Shape& shape, const Eigen::Vector3d& poi
 /// Distance to the sharp point of a cone or teardrop [m]; infinite for other shapes.
 double distance_to_tip(const dragcore::Shape& shape, const Eigen::Vector3d& point_body);
 
+/// The air that is meshed around a body whose bounding box in its pose is `body`: recipe's distances to the sides, and the plane of symmetry
+/// in place of the side that a half model does not have; of a ball of air its bounding box. Frame of the mesh [m].
+Eigen::AlignedBox3d air_around(const Eigen::AlignedBox3d& body, double scale, const MeshRecipe& recipe, Symmetry symmetry);
+
+/// The edge length of the tetrahedra as a function of the place alone, so that the half of a symmetric case is the half of its whole:
+///
+///   h(p) = refinement min(h_body + g d_body, h_tip + g d_tip, h_wake + g d_wake, h_outer + g d_outer, h_far)
+///
+/// with the distances d of p to the body, its sharp point and the two boxes around it, and the growth g. What the mesher asks at every point
+/// and what predicted_cells() integrates are this one function.
+class SizeField {
+ public:
+  /// @param body      bounding box of the body in its pose, frame of the mesh [m]
+  /// @param symmetry  says to which side the wind turns, where it does: see MeshRecipe::wake_rise
+  SizeField(const dragcore::Shape& shape, const dragcore::Pose& pose, const MeshRecipe& recipe, const Eigen::AlignedBox3d& body,
+            Symmetry symmetry);
+
+  double operator()(const Eigen::Vector3d& point) const;  ///< [m]
+
+ private:
+  dragcore::Shape shape_;
+  MeshRecipe recipe_;
+  Eigen::AlignedBox3d body_;
+  Eigen::Matrix3d to_body_;
+  Eigen::Vector3d lee_;
+  double scale_;
+};
+
 /// Which cubes of an octree are too large. Body frame.
 class OctreeSizes {
  public:
   /// @throws std::invalid_argument  the body has round sides, or its sides are no planes of the finest cubes
   OctreeSizes(const dragcore::Shape& shape, const MeshRecipe& recipe, Symmetry symmetry);
   bool too_large(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper) const;
+  bool in_body(const Eigen::Vector3d& point) const { return (point.cwiseAbs().array() < half_.array()).all(); }
 
  private:
   dragcore::Shape shape_;
@@ -78,6 +110,13 @@ class OctreeSizes {
   double scale_;
   Eigen::Vector3d half_, lee_;
 };
+
+/// The grid of cubes of the far size that an octree is refined from, in numbers of cubes from the body's centroid to each side.
+struct BaseGrid {
+  Eigen::Vector3i below, above;
+  double size = 0.0;  ///< [m]
+};
+BaseGrid base_grid(const dragcore::Shape& shape, const MeshRecipe& recipe, Symmetry symmetry);
 
 /// Half the edges of the body's box, if it is one with flat sides, so that an octree of cubes can fit it. @throws std::invalid_argument
 Eigen::Vector3d flat_half_extent(const dragcore::Shape& shape);

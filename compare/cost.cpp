@@ -115,4 +115,38 @@ CostTable measure_cost(const std::vector<CaseRecord>& records, const Calibration
   return table;
 }
 
+std::vector<CostCheck> check_cost(const std::vector<CaseRecord>& records, const CostPredictor& predict) {
+  std::vector<CostCheck> checks;
+  for (const char* quantity : {"cells", "iterations", "mesh", "convert", "solve", "post", "total"}) checks.push_back({.quantity = quantity});
+  for (const CaseRecord& record : records) {
+    if (!is_usable(record.status) && record.status != case_record::Status::drifting) continue;
+    const auto predicted = predict(record);
+    if (!predicted) continue;
+    std::map<std::string, std::pair<double, double>> both{{"cells", {predicted->cells, record.cells}},
+                                                          {"iterations", {predicted->iterations, record.iterations}}};
+    auto& total = both["total"];
+    for (const auto& [stage, seconds] : predicted->cpu_s) {
+      both[stage] = {seconds, cpu_of(record, stage)};
+      if (both[stage].second == 0.0) continue;  // not run
+      total.first += seconds;
+      total.second += both[stage].second;
+    }
+    for (CostCheck& check : checks) {
+      const auto [expected, found] = both[check.quantity];
+      if (!(expected > 0.0 && found > 0.0)) continue;
+      ++check.cases;
+      check.predicted += expected;
+      check.found += found;
+      check.rms += std::pow(std::log(found / expected), 2);
+      if (check.worst_case.empty() || std::abs(std::log(found / expected)) > std::abs(std::log(check.worst))) {
+        check.worst = found / expected;
+        check.worst_case = record.name;
+      }
+    }
+  }
+  std::erase_if(checks, [](const CostCheck& check) { return check.cases == 0; });
+  for (CostCheck& check : checks) check.rms = std::sqrt(check.rms / check.cases);
+  return checks;
+}
+
 }  // namespace compare

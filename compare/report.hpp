@@ -31,6 +31,7 @@ struct Report {
   std::optional<Calibration> calibration;  ///< empty when the references do not suffice, and then:
   std::string calibration_fault;           ///< why
   CostTable cost;                          ///< empty without a calibration
+  std::vector<CostCheck> cost_checks;      ///< predicted against actual CPU time of the references; filled by whoever has a prediction
   std::string source;                      ///< file or folder that the references came from
   std::string commit;                      ///< of the program
 

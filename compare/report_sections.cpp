@@ -557,6 +557,22 @@ std::string cost_section(const Report& report, const std::map<std::string, nlohm
                              {number(worst, 4)}});
   }
   if (!groups.empty()) text += openfoam.text();
+
+  Table checks{.id = "cost-check-table",
+               .caption =
+                   "What <code>dragval plan</code> predicts before a campaign, against what the references took: sums over the cases that ran "
+                   "to their end, rms of ln(actual / predicted), and the case that is furthest off. CPU times in seconds."};
+  checks.head = {{{"", "text"}, {"cases"}, {"predicted"}, {"actual"}, {"ratio"}, {"rms"}, {"worst ratio"}, {"case", "text"}}};
+  for (const CostCheck& check : report.cost_checks)
+    checks.rows.push_back({{escape(check.quantity), "text"},
+                           {std::to_string(check.cases)},
+                           {html::count(check.predicted)},
+                           {html::count(check.found)},
+                           {number(check.ratio(), 2)},
+                           {number(check.rms, 2)},
+                           {number(check.worst, 2)},
+                           {escape(check.worst_case), "text"}});
+  if (!report.cost_checks.empty()) text += checks.text();
   return section("cost", "What accuracy costs", text);
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "cfd_cases/campaign.hpp"
+#include "compare/cost.hpp"
 
 namespace CLI {
 class App;
@@ -26,5 +27,8 @@ cfd_cases::RunStore run_store();
 
 /// The cases of the matrix that `only` leaves, looked up in the cache. @throws UsageError when it leaves none
 std::vector<cfd_cases::PlannedCase> plan_cases(const CampaignInput& input, const cfd_cases::Tools& tools);
+
+/// The repository's cost model, as the comparison asks for it.
+compare::CostPredictor cost_predictor();
 
 }  // namespace cli

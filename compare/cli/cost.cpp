@@ -3,10 +3,12 @@
 #include "compare/cost.hpp"
 
 #include <CLI/CLI.hpp>
+#include <fstream>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "compare/cli/campaign_options.hpp"
 #include "compare/cli/commands.hpp"
 
 namespace cli {
@@ -42,6 +44,19 @@ nlohmann::json to_json(const compare::CostTable& table) {
   return {{"models", models}, {"cfd", cfd}};
 }
 
+nlohmann::json to_json(const std::vector<compare::CostCheck>& checks) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const compare::CostCheck& check : checks)
+    list.push_back({{"quantity", check.quantity},
+                    {"cases", check.cases},
+                    {"predicted", check.predicted},
+                    {"actual", check.found},
+                    {"rms_ln_ratio", check.rms},
+                    {"worst_ratio", check.worst},
+                    {"worst_case", check.worst_case}});
+  return list;
+}
+
 void print(const compare::CostTable& table, bool all) {
   fmt::print("Drag model: microseconds per body and evaluation on one thread, rms error over the orientations of the references\n");
   fmt::print("  {:<6} {:<10} {:<9} {:>9} {:>5} {:>12} {:>12} {:>9} {:>9}\n", "shape", "law", "pillow", "triangles", "rule", "us, no spin", "us, spin", "C_D", "C_m");
@@ -58,12 +73,39 @@ void print(const compare::CostTable& table, bool all) {
                row.drag_error ? fmt::format("{:.4f}", *row.drag_error) : row.finest ? "finest" : "one mesh");
 }
 
+void print(const std::vector<compare::CostCheck>& checks) {
+  fmt::print("\nPredicted by `dragval plan` against actual: sums over the cases that ran to their end, CPU seconds; rms of ln(actual / predicted)\n");
+  fmt::print("  {:<10} {:>5} {:>10} {:>10} {:>6} {:>6} {:>6}  {}\n", "", "cases", "predicted", "actual", "ratio", "rms", "worst", "case");
+  for (const compare::CostCheck& check : checks)
+    fmt::print("  {:<10} {:>5} {:>10.0f} {:>10.0f} {:>6.2f} {:>6.2f} {:>6.2f}  {}\n", check.quantity, check.cases, check.predicted, check.found,
+               check.ratio(), check.rms, check.worst, check.worst_case);
+}
+
+void fit(const SourceOptions& source, const std::string& output) {
+  const auto records = load(source).reference.cases;
+  cfd_cases::CostModel model = cfd_cases::fit_cost_model(cfd_cases::read_cost_model(cfd_cases::cost_model_file()), records);
+  const std::string from = source.cache.empty() ? source.store : source.cache;
+  model.provenance = {{"command", fmt::format("dragval cost --fit {} {} --write {}", source.cache.empty() ? "--store" : "--cache", from, output)},
+                      {"fitted_to", fmt::format("{} of the {} cases of {}", model.cells_fit.cases, records.size(), from)},
+                      {"revision", revision()}};
+  const std::string text = cfd_cases::to_toml(model);
+  cfd_cases::parse_cost_model(text, output.empty() ? "the fitted model" : output);  // what could not be read again is not written
+  if (output.empty()) {
+    fmt::print("{}", text);
+    return;
+  }
+  std::ofstream file(output);
+  if (!(file << text << std::flush)) throw EnvironmentError("cannot write " + output + "; check that the folder is writable");
+  fmt::print("{}: fitted to {}\n", output, model.provenance.at("fitted_to"));
+}
+
 }  // namespace
 
 void add_cost(CLI::App& app, Context&) {
   struct Options {
     SourceOptions source;
-    bool json = false, all = false;
+    bool json = false, all = false, fit = false;
+    std::string write;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("cost", "What accuracy costs in time: every option of the model, and OpenFOAM at each mesh level");
@@ -71,13 +113,21 @@ void add_cost(CLI::App& app, Context&) {
   add_source_options(*command, options->source);
   command->add_flag("--json", options->json, "Print JSON (all rows)");
   command->add_flag("--all", options->all, "All orders of quadrature, not only the default");
+  CLI::Option* fit_option = command->add_flag("--fit", options->fit, "Instead: fit the model of what a CFD case costs, which `dragval plan` uses, and print it");
+  command->add_option("--write", options->write, "Where to put the fitted model: cfd_cases/cost_model.toml")->needs(fit_option);
   command->callback([options] {
+    if (options->fit) return fit(options->source, options->write);
     const auto records = load(options->source).reference.cases;
     const compare::CostTable table = compare::measure_cost(records, compare::calibrate(records));
-    if (options->json)
-      std::cout << to_json(table).dump(2) << "\n";
-    else
+    const auto checks = compare::check_cost(records, cost_predictor());
+    if (options->json) {
+      nlohmann::json text = to_json(table);
+      text["predicted_cfd_cost"] = to_json(checks);
+      std::cout << text.dump(2) << "\n";
+    } else {
       print(table, options->all);
+      if (!checks.empty()) print(checks);
+    }
   });
 }
 

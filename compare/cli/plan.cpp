@@ -1,6 +1,7 @@
 #include <fmt/format.h>  // before any header of compare: fmt has a function of that name
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -33,6 +34,16 @@ void add_campaign_options(CLI::App& command, CampaignInput& input) {
   command.add_option("--known", input.known, "file of references, such as results/reference.h5: what it holds is not solved again");
 }
 
+compare::CostPredictor cost_predictor() {
+  return [model = cfd_cases::read_cost_model(cfd_cases::cost_model_file())](
+             const case_record::CaseRecord& record) -> std::optional<compare::PredictedCost> {
+    const auto known = cfd_cases::described_case(record.description);
+    if (!known || !model.methods.contains(known->spec.flow_model)) return std::nullopt;
+    const cfd_cases::CostEstimate estimate = model.estimate(known->spec, known->identity);
+    return compare::PredictedCost{estimate.cells, estimate.iterations, estimate.cpu_s};
+  };
+}
+
 void add_plan(CLI::App& app, Context&) {
   struct Options {
     CampaignInput input;
@@ -45,22 +56,37 @@ void add_plan(CLI::App& app, Context&) {
   command->footer("Example:  dragval plan quick --only 'cone*'");
   command->callback([options] {
     const auto cases = plan_cases(options->input, cfd_cases::find_tools());
-    double seconds = 0.0;
+    const cfd_cases::PredictedSum sum = cfd_cases::predicted_sum(cases);
+    const cfd_cases::Pace pace = cases.front().pace;
     int missing = 0;
     nlohmann::json list = nlohmann::json::array();
     for (const auto& planned : cases) {
       const std::string state = planned.cached ? case_record::to_string(planned.cached->status) : "to solve";
-      if (!planned.cached) seconds += planned.predicted_cpu_s, ++missing;
+      const cfd_cases::CostEstimate& cost = planned.estimate;
       list.push_back({{"name", planned.spec.name}, {"key", planned.identity.key}, {"state", state}});
-      if (!planned.cached) list.back().update({{"predicted_cpu_s", planned.predicted_cpu_s}, {"prediction", planned.prediction}});
-      if (!options->json)
-        fmt::print("{:<60} {:<21}{}\n", planned.spec.name, state,
-                   planned.cached ? "" : fmt::format("{:6.0f} CPU s  ({})", planned.predicted_cpu_s, planned.prediction));
+      std::string prediction;
+      if (!planned.cached) {
+        ++missing;
+        list.back().update({{"predicted_cells", std::round(cost.cells)},
+                            {"predicted_iterations", std::round(cost.iterations)},
+                            {"predicted_cpu_s", planned.predicted_cpu_s},
+                            {"predicted_memory_bytes", planned.predicted_memory_bytes}});
+        prediction = fmt::format("{:7.0f} cells {:5.0f} iterations {:6.0f} CPU s", cost.cells, cost.iterations, planned.predicted_cpu_s);
+      }
+      if (!options->json) fmt::print("{:<60} {:<21}{}\n", planned.spec.name, state, prediction);
     }
     if (options->json)
-      std::cout << nlohmann::json{{"cases", list}, {"to_solve", missing}, {"predicted_cpu_s", seconds}}.dump(2) << "\n";
+      std::cout << nlohmann::json{{"cases", list},
+                                  {"to_solve", missing},
+                                  {"predicted_cpu_s", sum.cpu_s},
+                                  {"predicted_cpu_s_uncertainty", sum.uncertainty},
+                                  {"pace", {{"factor", pace.factor}, {"cases", pace.cases}}}}
+                       .dump(2)
+                << "\n";
     else
-      fmt::print("{} cases, {} to solve: {:.0f} CPU s\n", cases.size(), missing, seconds);
+      fmt::print("{} cases, {} to solve: {:.0f} ± {:.0f} CPU s ({})\n", cases.size(), missing, sum.cpu_s, sum.uncertainty,
+                 pace.cases > 0 ? fmt::format("times {:.2f}, from {} cases solved here", pace.factor, pace.cases)
+                                : "on the machine of the cost model: no case of these is solved here yet");
   });
 }
 

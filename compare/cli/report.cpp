@@ -6,6 +6,7 @@
 #include <fstream>
 #include <memory>
 
+#include "compare/cli/campaign_options.hpp"
 #include "compare/cli/commands.hpp"
 
 namespace cli {
@@ -31,6 +32,7 @@ void add_report(CLI::App& app, Context& context) {
     compare::Report report = compare::make_report(std::move(sources.reference), sources.missing, options->quick_cost);
     report.source = options->source.cache.empty() ? options->source.store : options->source.cache;
     report.commit = revision();
+    report.cost_checks = compare::check_cost(report.reference.cases, cost_predictor());
     if (report.compared() == 0) {
       fmt::print(
           stderr,

@@ -92,6 +92,13 @@ TEST_CASE("where the wind turns, poses share a mesh, and its frame is the body's
   CHECK(identify(a, kTools).key != identify(b, kTools).key);
   CHECK(identify(a, kTools).symmetry == Symmetry::plane_y);
   CHECK((identify(a, kTools).to_wind - a.pose.radians().rotation()).norm() == 0.0);
+  // The diagonal plane of a cube at 45 degrees is no plane of its mesh; the other one is.
+  CaseSpec cube;
+  cube.shape = dragcore::Box{};
+  cube.pose.yaw = 45.0;
+  CHECK(identify(cube, kTools).symmetry == Symmetry::plane_y);
+  cube.turn_wind = true;
+  CHECK(identify(cube, kTools).symmetry == Symmetry::plane_z);
   // The flow about a sphere is symmetric in every pose, but about no plane of its own axes.
   CaseSpec sphere;
   sphere.shape = dragcore::Sphere{};
