@@ -270,6 +270,11 @@ class Solver {
   void finish(const fs::path& folder, const std::vector<ForceSample>& history, const Verdict& verdict, CaseRecord& record) {
     StageCost& post = record.cost["post"];
     if (ranks_ > 1) require(run(folder, {"reconstructPar", "-latestTime"}, post), "reconstructPar", folder);
+    // A mesh that turns leaves its points in the time folder.
+    if (const fs::path moved = last_time_folder(folder) / "polyMesh/points"; fs::exists(moved)) {
+      fs::remove(folder / "constant/polyMesh/points");
+      fs::copy_file(moved, folder / "constant/polyMesh/points");
+    }
     const double cpu = thread_cpu_s();
     const auto began = std::chrono::steady_clock::now();
     try {
@@ -281,6 +286,8 @@ class Solver {
     }
     for (Eigen::Matrix3Xd* vectors : {&record.surface.centre, &record.surface.area_vector, &record.surface.friction_coefficient})
       *vectors = id_.to_wind * *vectors;
+    // The surface of a body that has turned is not that of its pose: what is stored per patch would be of other sides.
+    if (spec_.spin.ratio > 0.0) record.surface = {};
     if (keep_fields_) store_fields(last_time_folder(folder));
     record.averaged_over = std::min(verdict.averaged_over, static_cast<int>(history.size()));
     record.load = mean_load(history, record.averaged_over, id_);
