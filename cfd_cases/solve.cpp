@@ -210,18 +210,22 @@ class Solver {
       require(run(folder, {"decomposePar"}, solve), "decomposePar", folder);
     }
 
-    // The forces decide live: enough is enough, and a divergence is not paid to its end.
+    // The forces decide live: enough is enough, and a divergence is not paid to its end. Every iteration is judged, so that the verdict does
+    // not depend on when somebody looks: a busy machine gives the same result to the bit.
     Verdict live;
     std::atomic<bool> halt = false;
     std::size_t judged = 0;
+    const auto judge_up_to_now = [&](const std::vector<Channels>& series) {
+      while (!live.stop && judged < series.size())
+        live = judged_now({series.begin(), series.begin() + static_cast<std::ptrdiff_t>(++judged)}, false);
+    };
     const auto watch = [&] {
       if (cancel_) halt = true;
       const auto history = read_forces(folder);
       if (history.empty() || live.stop) return;
       const auto series = channels_of(history, scales_, id_);
       on_progress_({"solve", static_cast<int>(history.size()), series.back()[0]});
-      live = judged_now(series, false);
-      judged = series.size();
+      judge_up_to_now(series);
       if (!live.stop) return;
       if (case_record::is_usable(live.status))
         write_files(folder, {{"stop", ""}});
@@ -246,6 +250,7 @@ class Solver {
     const auto history = read_history(folder);
     record.iterations += static_cast<int>(history.size());
     const auto series = channels_of(history, scales_, id_);
+    judge_up_to_now(series);
     if (outcome.timed_out)
       return fail(Status::timed_out,
                   fmt::format("stopped after {:.0f} s and {} iterations: raise timeout_s", spec_.timeout_s, history.size()));
@@ -256,7 +261,7 @@ class Solver {
       return fail(Status::failed, fmt::format("{} ended with code {}: {}", argv[0], outcome.exit_code, log_excerpt(log)));
     if (!ended_well(log)) return fail(Status::failed, solver + " returned 0 without reaching its End");
     const Verdict at_end = judged_now(series, true);
-    // The last iteration or two came after the decision to stop; they may not undo it, unless the solution blew up.
+    // The last iterations came after the decision to stop; they may not undo it, unless the solution blew up.
     const Verdict& verdict = live.stop && at_end.status != Status::diverged ? live : at_end;
     if (!case_record::is_usable(verdict.status)) return fail(verdict.status, verdict.reason);
     // A wrong patch gives zeros and a mere warning.
@@ -264,10 +269,12 @@ class Solver {
       return fail(Status::failed, "the forces are zero: the patch 'body' is empty");
 
     on_progress_({"post", static_cast<int>(history.size()), series.back()[0]});
-    finish(folder, history, verdict, record);
+    finish(folder, history, live.stop ? judged : history.size(), verdict, record);
   }
 
-  void finish(const fs::path& folder, const std::vector<ForceSample>& history, const Verdict& verdict, CaseRecord& record) {
+  /// @param decided  iterations until the decision to stop: the mean ends there, the surface is that of the last one
+  void finish(const fs::path& folder, const std::vector<ForceSample>& history, std::size_t decided, const Verdict& verdict,
+              CaseRecord& record) {
     StageCost& post = record.cost["post"];
     if (ranks_ > 1) require(run(folder, {"reconstructPar", "-latestTime"}, post), "reconstructPar", folder);
     const double cpu = thread_cpu_s();
@@ -282,8 +289,8 @@ class Solver {
     for (Eigen::Matrix3Xd* vectors : {&record.surface.centre, &record.surface.area_vector, &record.surface.friction_coefficient})
       *vectors = id_.to_wind * *vectors;
     if (keep_fields_) store_fields(last_time_folder(folder));
-    record.averaged_over = std::min(verdict.averaged_over, static_cast<int>(history.size()));
-    record.load = mean_load(history, record.averaged_over, id_);
+    record.averaged_over = std::min(verdict.averaged_over, static_cast<int>(decided));
+    record.load = mean_load({history.begin(), history.begin() + static_cast<std::ptrdiff_t>(decided)}, record.averaged_over, id_);
     record.load_last = whole_load(history.back().load, id_);
     record.u_iteration = scales_.dimensional(verdict.u_iteration);
     record.u_statistical = scales_.dimensional(verdict.u_statistical);
