@@ -142,7 +142,7 @@ class Solver {
         scales_(scales_of(spec)) {}
 
   CaseRecord solve() {
-    CaseRecord record = asked();
+    CaseRecord record = asked_record(spec_, id_, tools_);
     const fs::path work = cache_.work(id_.key);
     fs::remove_all(work);  // of a run that was killed or failed
     fs::create_directories(work);
@@ -172,30 +172,6 @@ class Solver {
   }
 
  private:
-  CaseRecord asked() const {
-    CaseRecord record;
-    record.name = spec_.name;
-    record.key = id_.key;
-    record.description = id_.description;
-    record.source = "openfoam-" + tools_.openfoam;
-    record.tier = spec_.tier;
-    record.shape = spec_.shape;
-    record.pose = spec_.pose.radians();
-    record.reynolds = spec_.reynolds;
-    record.flow_model = spec_.flow_model;
-    record.mesh_level = spec_.mesh_level;
-    record.held_out = spec_.held_out;
-    record.density = kDensity;
-    record.speed = kSpeed;
-    record.viscosity = kinematic_viscosity(spec_);
-    record.still_air = spec_.spin.in_still_air();
-    record.angular_velocity = id_.to_wind * flow_of(spec_).angular_velocity;
-    record.half_model = id_.symmetry != Symmetry::none;
-    record.surface_checksum = fmt::format("{:016x}", dragcore::surface_checksum(dragcore::triangulate(spec_.shape, kChecksumDivisions)));
-    record.tools = tools_.versions();
-    return record;
-  }
-
   /// Solves with the settings of one rung and fills status, reason and, when usable, the results.
   void try_rung(Rung rung, const fs::path& folder, const Mesh& mesh, CaseRecord& record) {
     write_files(folder, dictionaries(spec_, id_.symmetry, rung));
@@ -380,6 +356,30 @@ class Solver {
 CaseRecord solve_case(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, int ranks, bool keep_fields,
                       const std::atomic<bool>& cancel, const std::function<void(const Progress&)>& on_progress) {
   return Solver(spec, identity, tools, cache, ranks, keep_fields, cancel, on_progress).solve();
+}
+
+CaseRecord asked_record(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools) {
+  CaseRecord record;
+  record.name = spec.name;
+  record.key = identity.key;
+  record.description = identity.description;
+  record.source = "openfoam-" + tools.openfoam;
+  record.tier = spec.tier;
+  record.shape = spec.shape;
+  record.pose = spec.pose.radians();
+  record.reynolds = spec.reynolds;
+  record.flow_model = spec.flow_model;
+  record.mesh_level = spec.mesh_level;
+  record.held_out = spec.held_out;
+  record.density = kDensity;
+  record.speed = kSpeed;
+  record.viscosity = kinematic_viscosity(spec);
+  record.still_air = spec.spin.in_still_air();
+  record.angular_velocity = identity.to_wind * flow_of(spec).angular_velocity;
+  record.half_model = identity.symmetry != Symmetry::none;
+  record.surface_checksum = fmt::format("{:016x}", dragcore::surface_checksum(dragcore::triangulate(spec.shape, kChecksumDivisions)));
+  record.tools = tools.versions();
+  return record;
 }
 
 case_record::SurfaceSample read_surface(const fs::path& case_folder, const PolyMesh& mesh, const Load& meshed_load, double scale) {
