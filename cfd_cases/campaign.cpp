@@ -53,12 +53,8 @@ class Display {
     remaining_cpu_s_ -= planned.predicted_cpu_s;
     spent_wall_s_ += wall_s;
     spent_predicted_s_ += planned.predicted_cpu_s;
-    const double area = 0.5 * record.density * record.speed * record.speed * dragcore::properties(record.shape).reference_area;
-    const std::string result =
-        case_record::is_usable(record.status) ? fmt::format("C_D {:.4f}", record.load.force().x() / area) : record.reason;
-    std::fprintf(stderr, "%s[%zu/%zu] %s: %s, %s (%d cells, %d iterations, %.0f s); %s\n", terminal_ ? "\r\033[K" : "", done_, total_,
-                 planned.spec.name.c_str(), case_record::to_string(record.status).c_str(), result.c_str(), record.cells, record.iterations,
-                 wall_s, left().c_str());
+    std::fprintf(stderr, "%s[%zu/%zu] %s; %s\n", terminal_ ? "\r\033[K" : "", done_, total_, outcome_line(record, wall_s).c_str(),
+                 left().c_str());
   }
   void say(const std::string& text) {
     const std::lock_guard guard(mutex_);
@@ -72,10 +68,7 @@ class Display {
  private:
   std::string left() const {
     const double pace = spent_predicted_s_ > 0.0 ? spent_wall_s_ / spent_predicted_s_ : 1.0;
-    const double seconds = std::max(0.0, remaining_cpu_s_) * pace / jobs_;
-    return seconds < 1.0    ? "nothing left"
-           : seconds < 90.0 ? fmt::format("{:.0f} s left", seconds)
-                            : fmt::format("{:.0f} min left", seconds / 60.0);
+    return time_left(std::max(0.0, remaining_cpu_s_) * pace / jobs_);
   }
 
   const bool terminal_ = isatty(STDERR_FILENO) != 0;
@@ -88,6 +81,20 @@ class Display {
 };
 
 }  // namespace
+
+std::string outcome_line(const CaseRecord& record, double wall_s) {
+  const double area = 0.5 * record.density * record.speed * record.speed * dragcore::properties(record.shape).reference_area;
+  const std::string result =
+      case_record::is_usable(record.status) ? fmt::format("C_D {:.4f}", record.load.force().x() / area) : record.reason;
+  return fmt::format("{}: {}, {} ({} cells, {} iterations, {:.0f} s)", record.name, case_record::to_string(record.status), result,
+                     record.cells, record.iterations, wall_s);
+}
+
+std::string time_left(double seconds) {
+  return seconds < 1.0    ? "nothing left"
+         : seconds < 90.0 ? fmt::format("{:.0f} s left", seconds)
+                          : fmt::format("{:.0f} min left", seconds / 60.0);
+}
 
 std::vector<PlannedCase> plan(const Matrix& matrix, const Tools& tools, const Cache& cache, const RunStore& store,
                               const std::string& only, const std::map<std::string, CaseRecord>& known) {

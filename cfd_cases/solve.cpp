@@ -142,7 +142,7 @@ class Solver {
         scales_(scales_of(spec)) {}
 
   CaseRecord solve() {
-    CaseRecord record = asked();
+    CaseRecord record = asked_record(spec_, id_, tools_);
     const fs::path work = cache_.work(id_.key);
     fs::remove_all(work);  // of a run that was killed or failed
     fs::create_directories(work);
@@ -172,30 +172,6 @@ class Solver {
   }
 
  private:
-  CaseRecord asked() const {
-    CaseRecord record;
-    record.name = spec_.name;
-    record.key = id_.key;
-    record.description = id_.description;
-    record.source = "openfoam-" + tools_.openfoam;
-    record.tier = spec_.tier;
-    record.shape = spec_.shape;
-    record.pose = spec_.pose.radians();
-    record.reynolds = spec_.reynolds;
-    record.flow_model = spec_.flow_model;
-    record.mesh_level = spec_.mesh_level;
-    record.held_out = spec_.held_out;
-    record.density = kDensity;
-    record.speed = kSpeed;
-    record.viscosity = kinematic_viscosity(spec_);
-    record.still_air = spec_.spin.in_still_air();
-    record.angular_velocity = id_.to_wind * flow_of(spec_).angular_velocity;
-    record.half_model = id_.symmetry != Symmetry::none;
-    record.surface_checksum = fmt::format("{:016x}", dragcore::surface_checksum(dragcore::triangulate(spec_.shape, kChecksumDivisions)));
-    record.tools = tools_.versions();
-    return record;
-  }
-
   /// Solves with the settings of one rung and fills status, reason and, when usable, the results.
   void try_rung(Rung rung, const fs::path& folder, const Mesh& mesh, CaseRecord& record) {
     write_files(folder, dictionaries(spec_, id_.symmetry, rung));
@@ -210,18 +186,22 @@ class Solver {
       require(run(folder, {"decomposePar"}, solve), "decomposePar", folder);
     }
 
-    // The forces decide live: enough is enough, and a divergence is not paid to its end.
+    // The forces decide live: enough is enough, and a divergence is not paid to its end. Every iteration is judged, so that the verdict does
+    // not depend on when somebody looks: a busy machine gives the same result to the bit.
     Verdict live;
     std::atomic<bool> halt = false;
     std::size_t judged = 0;
+    const auto judge_up_to_now = [&](const std::vector<Channels>& series) {
+      while (!live.stop && judged < series.size())
+        live = judged_now({series.begin(), series.begin() + static_cast<std::ptrdiff_t>(++judged)}, false);
+    };
     const auto watch = [&] {
       if (cancel_) halt = true;
       const auto history = read_forces(folder);
       if (history.empty() || live.stop) return;
       const auto series = channels_of(history, scales_, id_);
       on_progress_({"solve", static_cast<int>(history.size()), series.back()[0]});
-      live = judged_now(series, false);
-      judged = series.size();
+      judge_up_to_now(series);
       if (!live.stop) return;
       if (case_record::is_usable(live.status))
         write_files(folder, {{"stop", ""}});
@@ -246,6 +226,7 @@ class Solver {
     const auto history = read_history(folder);
     record.iterations += static_cast<int>(history.size());
     const auto series = channels_of(history, scales_, id_);
+    judge_up_to_now(series);
     if (outcome.timed_out)
       return fail(Status::timed_out,
                   fmt::format("stopped after {:.0f} s and {} iterations: raise timeout_s", spec_.timeout_s, history.size()));
@@ -256,7 +237,7 @@ class Solver {
       return fail(Status::failed, fmt::format("{} ended with code {}: {}", argv[0], outcome.exit_code, log_excerpt(log)));
     if (!ended_well(log)) return fail(Status::failed, solver + " returned 0 without reaching its End");
     const Verdict at_end = judged_now(series, true);
-    // The last iteration or two came after the decision to stop; they may not undo it, unless the solution blew up.
+    // The last iterations came after the decision to stop; they may not undo it, unless the solution blew up.
     const Verdict& verdict = live.stop && at_end.status != Status::diverged ? live : at_end;
     if (!case_record::is_usable(verdict.status)) return fail(verdict.status, verdict.reason);
     // A wrong patch gives zeros and a mere warning.
@@ -264,10 +245,12 @@ class Solver {
       return fail(Status::failed, "the forces are zero: the patch 'body' is empty");
 
     on_progress_({"post", static_cast<int>(history.size()), series.back()[0]});
-    finish(folder, history, verdict, record);
+    finish(folder, history, live.stop ? judged : history.size(), verdict, record);
   }
 
-  void finish(const fs::path& folder, const std::vector<ForceSample>& history, const Verdict& verdict, CaseRecord& record) {
+  /// @param decided  iterations until the decision to stop: the mean ends there, the surface is that of the last one
+  void finish(const fs::path& folder, const std::vector<ForceSample>& history, std::size_t decided, const Verdict& verdict,
+              CaseRecord& record) {
     StageCost& post = record.cost["post"];
     if (ranks_ > 1) require(run(folder, {"reconstructPar", "-latestTime"}, post), "reconstructPar", folder);
     // A mesh that turns leaves its points in the time folder.
@@ -289,8 +272,8 @@ class Solver {
     // The surface of a body that has turned is not that of its pose: what is stored per patch would be of other sides.
     if (spec_.spin.ratio > 0.0) record.surface = {};
     if (keep_fields_) store_fields(last_time_folder(folder));
-    record.averaged_over = std::min(verdict.averaged_over, static_cast<int>(history.size()));
-    record.load = mean_load(history, record.averaged_over, id_);
+    record.averaged_over = std::min(verdict.averaged_over, static_cast<int>(decided));
+    record.load = mean_load({history.begin(), history.begin() + static_cast<std::ptrdiff_t>(decided)}, record.averaged_over, id_);
     record.load_last = whole_load(history.back().load, id_);
     record.u_iteration = scales_.dimensional(verdict.u_iteration);
     record.u_statistical = scales_.dimensional(verdict.u_statistical);
@@ -380,6 +363,30 @@ class Solver {
 CaseRecord solve_case(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, int ranks, bool keep_fields,
                       const std::atomic<bool>& cancel, const std::function<void(const Progress&)>& on_progress) {
   return Solver(spec, identity, tools, cache, ranks, keep_fields, cancel, on_progress).solve();
+}
+
+CaseRecord asked_record(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools) {
+  CaseRecord record;
+  record.name = spec.name;
+  record.key = identity.key;
+  record.description = identity.description;
+  record.source = "openfoam-" + tools.openfoam;
+  record.tier = spec.tier;
+  record.shape = spec.shape;
+  record.pose = spec.pose.radians();
+  record.reynolds = spec.reynolds;
+  record.flow_model = spec.flow_model;
+  record.mesh_level = spec.mesh_level;
+  record.held_out = spec.held_out;
+  record.density = kDensity;
+  record.speed = kSpeed;
+  record.viscosity = kinematic_viscosity(spec);
+  record.still_air = spec.spin.in_still_air();
+  record.angular_velocity = identity.to_wind * flow_of(spec).angular_velocity;
+  record.half_model = identity.symmetry != Symmetry::none;
+  record.surface_checksum = fmt::format("{:016x}", dragcore::surface_checksum(dragcore::triangulate(spec.shape, kChecksumDivisions)));
+  record.tools = tools.versions();
+  return record;
 }
 
 case_record::SurfaceSample read_surface(const fs::path& case_folder, const PolyMesh& mesh, const Load& meshed_load, double scale) {

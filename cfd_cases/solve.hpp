@@ -24,6 +24,9 @@ struct Progress {
 case_record::CaseRecord solve_case(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, int ranks, bool keep_fields,
                                    const std::atomic<bool>& cancel, const std::function<void(const Progress&)>& on_progress);
 
+/// A record of what was asked, without a result: for whoever knows better why there is none.
+case_record::CaseRecord asked_record(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools);
+
 /// Pressure and shear on the faces of the patch "body" from the last time folder of a case, checked against the load of that iteration (of
 /// the meshed faces): the sums of p dA and of the shear must give its pressure and its viscous force to 1e-3 of the force.
 /// @param scale  U^2 / 2, which turns OpenFOAM's kinematic pressure into C_p

@@ -28,6 +28,8 @@ using std::chrono::milliseconds;
 
 namespace {
 
+int exit_code_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
+
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 std::vector<std::string> environment_with(const std::map<std::string, std::string>& added) {
@@ -116,15 +118,15 @@ Outcome run_command(const Command& command, const std::atomic<bool>& cancel, con
   }
   kill(-child, SIGKILL);  // whatever it left behind in its group; ESRCH when there is nothing
   const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
-  outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  outcome.exit_code = exit_code_of(status);
   outcome.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
   outcome.wall_s = seconds_since(began);
   return outcome;
 }
 
-std::string output_of(const std::vector<std::string>& argv, const std::map<std::string, std::string>& environment) {
+Answer answer_of(const std::vector<std::string>& argv, const std::map<std::string, std::string>& environment) {
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) return {};
+  if (pipe2(ends, O_CLOEXEC) != 0) return {127, {}};
   const pid_t child = start({.argv = argv, .folder = ".", .log = {}, .environment = environment}, ends[1]);
   close(ends[1]);
   std::string text;
@@ -133,7 +135,12 @@ std::string output_of(const std::vector<std::string>& argv, const std::map<std::
   close(ends[0]);
   int status = 0;
   waitpid(child, &status, 0);
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? text : std::string();
+  return {exit_code_of(status), text};
+}
+
+std::string output_of(const std::vector<std::string>& argv, const std::map<std::string, std::string>& environment) {
+  Answer answer = answer_of(argv, environment);
+  return answer.exit_code == 0 ? std::move(answer.text) : std::string();
 }
 
 fs::path find_program(const std::string& name) {
@@ -147,11 +154,22 @@ fs::path find_program(const std::string& name) {
 
 FileLock::FileLock(const fs::path& path) : descriptor_(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
   if (descriptor_ < 0) throw std::runtime_error(fmt::format("cannot make the lock {}: {}", path.string(), std::strerror(errno)));
-  try_again();
+  try {
+    try_again();
+  } catch (...) {
+    close(descriptor_);
+    throw;
+  }
 }
 FileLock::~FileLock() {
   if (descriptor_ >= 0) close(descriptor_);
 }
-bool FileLock::try_again() { return held_ = held_ || flock(descriptor_, LOCK_EX | LOCK_NB) == 0; }
+bool FileLock::try_again() {
+  if (!held_ && flock(descriptor_, LOCK_EX | LOCK_NB) == 0) held_ = true;
+  // Some network file systems have no locks: waiting for one would never end.
+  if (!held_ && errno != EWOULDBLOCK && errno != EINTR)
+    throw std::runtime_error(fmt::format("the file system of the cache refuses locks (flock: {}); choose another with --cache", std::strerror(errno)));
+  return held_;
+}
 
 }  // namespace cfd_cases

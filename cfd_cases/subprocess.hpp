@@ -34,7 +34,14 @@ struct Outcome {
 /// @throws std::runtime_error when the log cannot be written or the process not be made
 Outcome run_command(const Command& command, const std::atomic<bool>& cancel, const std::function<void()>& poll = {});
 
-/// Standard output of a short program, empty when it fails.
+/// What a short program said, on stdout and stderr.
+struct Answer {
+  int exit_code = 0;  ///< as in Outcome
+  std::string text;
+};
+Answer answer_of(const std::vector<std::string>& argv, const std::map<std::string, std::string>& environment = {});
+
+/// Its text alone, empty when it fails.
 std::string output_of(const std::vector<std::string>& argv, const std::map<std::string, std::string>& environment);
 
 /// Path of a program on PATH, empty when there is none.
@@ -43,7 +50,7 @@ std::filesystem::path find_program(const std::string& name);
 /// An exclusive lock on a file, given back by the destructor or by the death of the process.
 class FileLock {
  public:
-  /// Takes the lock if nobody holds it. @throws std::runtime_error when the file cannot be made
+  /// Takes the lock if nobody holds it. @throws std::runtime_error when the file cannot be made, or its file system has no locks
   explicit FileLock(const std::filesystem::path& path);
   ~FileLock();
   FileLock(FileLock&& other) noexcept : descriptor_(other.descriptor_), held_(other.held_) { other.descriptor_ = -1; }

@@ -3,7 +3,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-scripts/install.sh
+scripts/install.sh --with-slurm
 # dragcore on its own proves that it needs nothing but Eigen (and Catch2 for its tests).
 scripts/build.sh core
 ctest --preset core --progress --output-on-failure -j "$(nproc)" | tail -n 4

@@ -16,6 +16,7 @@ struct CampaignInput {
   std::string matrix = "quick";
   std::string cache = ".dragval";
   std::string only;
+  std::string key;    ///< when given, `only` is the full name of the one case, which must have this key
   std::string known;  ///< file of references whose cases are not solved again; empty for none
 };
 

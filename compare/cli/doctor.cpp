@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cfd_cases/slurm.hpp"
 #include "cfd_cases/tools.hpp"
 #include "compare/cli/commands.hpp"
 
@@ -17,13 +18,15 @@ void add_doctor(CLI::App& app, Context& context) {
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("doctor", "Checks what solving cases needs (OpenFOAM, gmsh, MPI, cores, disk) and prints the fix of each fault");
+      app.add_subcommand("doctor", "Checks what solving cases needs (OpenFOAM, gmsh, MPI, cores, disk, Slurm) and prints the fix of each fault");
   command->add_option("--cache", options->cache, "folder of solved cases, for the space on its disk")->capture_default_str();
   command->add_flag("--json", options->json, "machine-readable");
   command->footer("Example:  dragval doctor");
   command->callback([options, &context] {
     nlohmann::json list = nlohmann::json::array();
-    for (const auto& check : cfd_cases::examine(options->cache)) {
+    auto checks = cfd_cases::examine(options->cache);
+    checks.push_back(cfd_cases::check_slurm());
+    for (const auto& check : checks) {
       if (!check.good && check.needed) context.exit_code = exit_code::environment;
       const char* state = check.good ? "ok" : check.needed ? "MISSING" : "absent";
       list.push_back({{"name", check.name}, {"state", state}, {"found", check.found}, {"fix", check.fix}});

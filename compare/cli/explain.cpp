@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cfd_cases/slurm.hpp"
 #include "compare/cli/campaign_options.hpp"
 #include "compare/cli/commands.hpp"
 
@@ -38,7 +39,8 @@ fs::path newest_log(const fs::path& folder) {
   return newest;
 }
 
-nlohmann::json explain(const cfd_cases::PlannedCase& planned, const CampaignInput& input) {
+nlohmann::json explain(const cfd_cases::PlannedCase& planned, const CampaignInput& input,
+                       const std::map<std::string, cfd_cases::SlurmTask>& tasks) {
   const cfd_cases::Cache cache{input.cache};
   nlohmann::json text{{"name", planned.spec.name},
                       {"key", planned.identity.key},
@@ -66,6 +68,11 @@ nlohmann::json explain(const cfd_cases::PlannedCase& planned, const CampaignInpu
   const fs::path log = newest_log(folder);
   text["log"] = log.string();
   text["log_excerpt"] = log.empty() ? "" : cfd_cases::log_excerpt(log);
+  if (const auto task = tasks.find(planned.identity.key); task != tasks.end()) {
+    text["slurm"] = task->second.describe();
+    text["slurm_log"] = fs::exists(task->second.log) ? task->second.log.string() : "";
+    text["slurm_log_excerpt"] = fs::exists(task->second.log) ? cfd_cases::log_excerpt(task->second.log) : "";
+  }
   return text;
 }
 
@@ -78,6 +85,10 @@ void print(const nlohmann::json& text) {
     fmt::print("  attempt:  {}: {}{}{}\n", attempt.at("recipe").get<std::string>(), attempt.at("status").get<std::string>(),
                attempt.at("reason") == "" ? "" : ", ", attempt.at("reason").get<std::string>());
   if (!word("log").empty()) fmt::print("  log:      {}\n            {}\n", word("log"), word("log_excerpt"));
+  if (text.contains("slurm")) {
+    fmt::print("  slurm:    {}\n", word("slurm"));
+    if (!word("slurm_log").empty()) fmt::print("            {}\n            {}\n", word("slurm_log"), word("slurm_log_excerpt"));
+  }
   fmt::print("  folder:   {}\n  key:      {}\n  rerun:    {}\n", word("folder").empty() ? "not kept" : word("folder"), word("key"),
              word("rerun"));
 }
@@ -99,7 +110,9 @@ void add_explain(CLI::App& app, Context&) {
   command->footer("Example:  dragval explain plate_incidence-030_re-1e5_medium");
   command->callback([options] {
     nlohmann::json list = nlohmann::json::array();
-    for (const auto& planned : plan_cases(options->input, cfd_cases::find_tools())) list.push_back(explain(planned, options->input));
+    const auto tasks = cfd_cases::slurm_tasks({options->input.cache});
+    for (const auto& planned : plan_cases(options->input, cfd_cases::find_tools()))
+      list.push_back(explain(planned, options->input, tasks));
     if (options->json)
       std::cout << list.dump(2) << "\n";
     else

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cfd_cases/slurm.hpp"
 #include "compare/cli/campaign_options.hpp"
 #include "compare/cli/commands.hpp"
 
@@ -20,7 +21,19 @@ std::vector<cfd_cases::PlannedCase> plan_cases(const CampaignInput& input, const
       const std::string key = record.key;
       known[key] = std::move(record);
     }
-  auto cases = cfd_cases::plan(cfd_cases::load_matrix(input.matrix), tools, {input.cache}, run_store(), input.only, known);
+  auto matrix = cfd_cases::load_matrix(input.matrix);
+  // What starts from the case stays in the plan, which therefore keeps its fields; thousands of others need not be looked up.
+  if (!input.key.empty())
+    std::erase_if(matrix.cases, [&](const cfd_cases::CaseSpec& spec) {
+      return spec.name != input.only && !(spec.start && spec.start->name == input.only);
+    });
+  auto cases = cfd_cases::plan(matrix, tools, {input.cache}, run_store(), input.key.empty() ? input.only : "", known);
+  if (!input.key.empty()) {
+    std::erase_if(cases, [&](const auto& planned) { return planned.identity.key != input.key; });
+    if (cases.empty())
+      throw UsageError(fmt::format("{} does not have the key {}: keys hold the versions of the tools, here OpenFOAM {} and gmsh {}",
+                                   input.only, input.key, tools.openfoam, tools.gmsh));
+  }
   if (cases.empty())
     throw UsageError(
         fmt::format("no case of the matrix {} has '{}' in its name: `dragval plan {}` lists them", input.matrix, input.only, input.matrix));
@@ -44,23 +57,53 @@ compare::CostPredictor cost_predictor() {
   };
 }
 
+namespace {
+
+void simulate_campaign(const std::vector<cfd_cases::PlannedCase>& cases, int count, int slots) {
+  std::vector<double> seconds;
+  double cpu_s = 0.0;
+  for (int i = 0; i < count; ++i) {
+    const double cost = cases[static_cast<std::size_t>(i) % cases.size()].predicted_cpu_s;
+    cpu_s += cost;
+    seconds.push_back(cost + cfd_cases::kSlurmOverhead_s);
+  }
+  const double wall_s = cfd_cases::list_schedule_s(seconds, slots);
+  fmt::print("{} cases, {:.1f} CPU h; on {} slots of Slurm {:.1f} min, of which overhead {:.1f} %, idle slots {:.1f} %\n", count,
+             cpu_s / 3600.0, slots, wall_s / 60.0, 100.0 * count * cfd_cases::kSlurmOverhead_s / (wall_s * slots),
+             100.0 * (1.0 - (cpu_s + count * cfd_cases::kSlurmOverhead_s) / (wall_s * slots)));
+}
+
+}  // namespace
+
 void add_plan(CLI::App& app, Context&) {
   struct Options {
     CampaignInput input;
     bool json = false;
+    int simulate = 0, slots = 64;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("plan", "Lists the cases of a matrix, which of them are solved, and what the others will cost");
   add_campaign_options(*command, options->input);
   command->add_flag("--json", options->json, "machine-readable");
+  CLI::Option* simulate =
+      command->add_option("--simulate", options->simulate, "wall time of this many such cases on Slurm, from the predicted costs")
+          ->check(CLI::Range(1, 10000000));
+  command->add_option("-j,--jobs,--slots", options->slots, "cases at a time of --simulate")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str()
+      ->needs(simulate);
   command->footer("Example:  dragval plan quick --only 'cone*'");
   command->callback([options] {
     const auto cases = plan_cases(options->input, cfd_cases::find_tools());
+    if (options->simulate > 0) return simulate_campaign(cases, options->simulate, options->slots);
+    const auto tasks = cfd_cases::slurm_tasks({options->input.cache});
     const cfd_cases::PredictedSum sum = cfd_cases::predicted_sum(cases);
     const cfd_cases::Pace pace = cases.front().pace;
     int missing = 0;
     nlohmann::json list = nlohmann::json::array();
     for (const auto& planned : cases) {
+      const auto task = tasks.find(planned.identity.key);
+      const std::string slurm = task == tasks.end() || planned.cached ? "" : task->second.describe();
       const std::string state = planned.cached ? case_record::to_string(planned.cached->status) : "to solve";
       const cfd_cases::CostEstimate& cost = planned.estimate;
       list.push_back({{"name", planned.spec.name}, {"key", planned.identity.key}, {"state", state}});
@@ -73,7 +116,8 @@ void add_plan(CLI::App& app, Context&) {
                             {"predicted_memory_bytes", planned.predicted_memory_bytes}});
         prediction = fmt::format("{:7.0f} cells {:5.0f} iterations {:6.0f} CPU s", cost.cells, cost.iterations, planned.predicted_cpu_s);
       }
-      if (!options->json) fmt::print("{:<60} {:<21}{}\n", planned.spec.name, state, prediction);
+      if (!slurm.empty()) list.back()["slurm"] = slurm;
+      if (!options->json) fmt::print("{:<60} {:<21}{}\n", planned.spec.name, state, slurm.empty() ? prediction : slurm);
     }
     if (options->json)
       std::cout << nlohmann::json{{"cases", list},
