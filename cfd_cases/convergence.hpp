@@ -40,7 +40,7 @@ struct Verdict {
 ///
 /// @param plausible  largest believable size of a coefficient
 /// @param ended      the run is over: judge what there is
-/// @param still_air  the body spins without wind: its moment takes the place of C_D, and must not be zero
+/// @param still_air  the body spins without wind: its moment takes the place of C_D, and the moments alone decide
 Verdict judge(const std::vector<Channels>& series, const StopPolicy& policy, double plausible, bool ended, bool still_air = false);
 
 /// Judges a time-accurate run, one set of channels per time step. It ends when its time is over; the mean of what comes after `discard`
