@@ -73,15 +73,15 @@ Verdict judge(const std::vector<Channels>& series, const StopPolicy& policy, dou
   const double scale = still_air ? recent.bottomRows<3>().rowwise().mean().norm() : std::max(std::abs(recent.row(0).mean()), policy.floor);
   const double allowed = policy.tolerance * scale;
   // In still air forces are what the symmetry of a turn leaves of a restless wake: the moment alone decides.
-  const int first = still_air ? 3 : 0;
-  const auto largest_of = [&](const Channels& channels) { return channels.tail(6 - first).maxCoeff(); };
-  const Channels spread = recent.rowwise().maxCoeff() - recent.rowwise().minCoeff();
-  const Channels drift = trend(recent).cwiseAbs();
-  if (n >= policy.min_iterations && largest_of(spread) <= allowed && largest_of(drift) <= allowed) {
+  Channels counts = Channels::Ones();
+  if (still_air) counts.head<3>().setZero();
+  const Channels spread = (recent.rowwise().maxCoeff() - recent.rowwise().minCoeff()).cwiseProduct(counts);
+  const Channels drift = trend(recent).cwiseAbs().cwiseProduct(counts);
+  if (n >= policy.min_iterations && spread.maxCoeff() <= allowed && drift.maxCoeff() <= allowed) {
     verdict.status = Status::steady;
     verdict.stop = true;
     verdict.averaged_over = policy.average;
-    verdict.u_iteration = 0.5 * spread;
+    verdict.u_iteration = 0.5 * (recent.rowwise().maxCoeff() - recent.rowwise().minCoeff());
     return verdict;
   }
 
@@ -94,10 +94,10 @@ Verdict judge(const std::vector<Channels>& series, const StopPolicy& policy, dou
       error[c] = standard_error(late.row(c).transpose());
       const double of_halves =
           std::hypot(standard_error(late.row(c).head(half).transpose()), standard_error(late.row(c).tail(half).transpose()));
-      stationary = stationary && (c < first || difference[c] <= 2.0 * of_halves + allowed);
+      stationary = stationary && (counts[c] == 0.0 || difference[c] <= 2.0 * of_halves + allowed);
     }
     // 1 % of C_D is what the medium mesh itself is good for: averaging longer would buy nothing.
-    if (stationary && largest_of(error) <= 0.01 * scale) {
+    if (stationary && error.cwiseProduct(counts).maxCoeff() <= 0.01 * scale) {
       verdict.status = Status::statistically_steady;
       verdict.stop = n >= 5 * policy.window;
       verdict.averaged_over = static_cast<int>(2 * half);
@@ -108,12 +108,12 @@ Verdict judge(const std::vector<Channels>& series, const StopPolicy& policy, dou
   }
   if (ended) {
     Eigen::Index worst = 0;
-    const double largest = spread.tail(6 - first).maxCoeff(&worst);
+    const double largest = spread.maxCoeff(&worst);
     return hopeless_case(
         Status::drifting,
         fmt::format(
             "{} still moves by {:.2g} within {} iterations after {} of them, allowed is {:.2g}: raise max_iterations, or use a finer mesh",
-            kChannelNames[static_cast<std::size_t>(first + worst)], largest, window, n, allowed));
+            kChannelNames[static_cast<std::size_t>(worst)], largest, window, n, allowed));
   }
   return verdict;
 }
