@@ -52,7 +52,7 @@ std::vector<std::string> keys_of(const fs::path& submission) {
 std::string state_by_log(const fs::path& log) {
   std::string last, line;
   for (std::ifstream file(log); std::getline(file, line);)
-    if (line.starts_with("slurmstepd: error:")) last = line;
+    if (line.find("*** JOB ") != std::string::npos || line.find("oom") != std::string::npos) last = line;
   for (const auto& [words, state] : {std::pair{"DUE TO TIME LIMIT", "TIMEOUT"}, std::pair{"oom", "OUT_OF_MEMORY"},
                                      std::pair{"DUE TO NODE FAILURE", "NODE_FAIL"}, std::pair{"CANCELLED AT", "CANCELLED"}})
     if (last.find(words) != std::string::npos) return state;
@@ -238,11 +238,11 @@ class Follower {
     if (running > 0) left_ += ", " + time_left(cpu_s / running);
   }
 
-  bool end(const PlannedCase& planned, const CaseRecord& record) {
+  bool end(const PlannedCase& planned, const CaseRecord& record, bool stored = true) {
     double wall_s = 0.0;
     for (const auto& [stage, cost] : record.cost) wall_s += cost.wall_s;
     say(fmt::format("[{}/{}] {}; {}", ++done_, total_, outcome_line(record, wall_s), left_));
-    ++result_.solved;
+    result_.solved += stored;
     if (!case_record::is_usable(record.status)) result_.unusable.push_back(record);
     over_since_.erase(planned.identity.key);
     return true;
@@ -272,7 +272,7 @@ class Follower {
     // What merely vanished, or was cancelled by somebody, says nothing of the case: it is told, and submitted again by the next run.
     if (task.ended_by_slurm()) store_.write(cache_.run(key), record);
     if (task.held()) answer_of({"scancel", task.job});
-    return end(planned, record);
+    return end(planned, record, task.ended_by_slurm());
   }
 
   void interrupted() {

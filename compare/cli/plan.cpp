@@ -59,18 +59,18 @@ compare::CostPredictor cost_predictor() {
 
 namespace {
 
-void simulate_campaign(const std::vector<cfd_cases::PlannedCase>& cases, int count, int slots) {
+/// The costs of the matrix over and over, until there are `count` of them, given to slots.
+void simulate(const std::vector<cfd_cases::PlannedCase>& cases, int count, int slots, double overhead_s) {
   std::vector<double> seconds;
   double cpu_s = 0.0;
   for (int i = 0; i < count; ++i) {
     const double cost = cases[static_cast<std::size_t>(i) % cases.size()].predicted_cpu_s;
     cpu_s += cost;
-    seconds.push_back(cost + cfd_cases::kSlurmOverhead_s);
+    seconds.push_back(cost + overhead_s);
   }
-  const double wall_s = cfd_cases::list_schedule_s(seconds, slots);
-  fmt::print("{} cases, {:.1f} CPU h; on {} slots of Slurm {:.1f} min, of which overhead {:.1f} %, idle slots {:.1f} %\n", count,
-             cpu_s / 3600.0, slots, wall_s / 60.0, 100.0 * count * cfd_cases::kSlurmOverhead_s / (wall_s * slots),
-             100.0 * (1.0 - (cpu_s + count * cfd_cases::kSlurmOverhead_s) / (wall_s * slots)));
+  const double wall_s = cfd_cases::list_schedule_s(seconds, slots), paid_s = wall_s * slots;
+  fmt::print("{} cases, {:.1f} CPU h: {:.1f} min on {} slots, which work for {:.1f} % of it, start and end jobs for {:.1f} %\n", count,
+             cpu_s / 3600.0, wall_s / 60.0, slots, 100.0 * cpu_s / paid_s, 100.0 * count * overhead_s / paid_s);
 }
 
 }  // namespace
@@ -80,22 +80,27 @@ void add_plan(CLI::App& app, Context&) {
     CampaignInput input;
     bool json = false;
     int simulate = 0, slots = 64;
+    double overhead_s = cfd_cases::kSlurmOverhead_s;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("plan", "Lists the cases of a matrix, which of them are solved, and what the others will cost");
   add_campaign_options(*command, options->input);
   command->add_flag("--json", options->json, "machine-readable");
-  CLI::Option* simulate =
-      command->add_option("--simulate", options->simulate, "wall time of this many such cases on Slurm, from the predicted costs")
+  CLI::Option* simulation =
+      command->add_option("--simulate", options->simulate, "wall time of this many such cases on a cluster, from the predicted costs")
           ->check(CLI::Range(1, 10000000));
   command->add_option("-j,--jobs,--slots", options->slots, "cases at a time of --simulate")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str()
-      ->needs(simulate);
+      ->needs(simulation);
+  command->add_option("--overhead", options->overhead_s, "of --simulate: seconds of a slot that a case costs beyond its own")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str()
+      ->needs(simulation);
   command->footer("Example:  dragval plan quick --only 'cone*'");
   command->callback([options] {
     const auto cases = plan_cases(options->input, cfd_cases::find_tools());
-    if (options->simulate > 0) return simulate_campaign(cases, options->simulate, options->slots);
+    if (options->simulate > 0) return simulate(cases, options->simulate, options->slots, options->overhead_s);
     const auto tasks = cfd_cases::slurm_tasks({options->input.cache});
     const cfd_cases::PredictedSum sum = cfd_cases::predicted_sum(cases);
     const cfd_cases::Pace pace = cases.front().pace;

@@ -7,6 +7,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -195,7 +196,7 @@ def interrupt_and_cancel(place):
     expect("1 cases are with Slurm already" in follower.stdout.readline(), "the second driver does not find the job of the first")
     place.slurm.ask("scancel", "--name=" + place.submissions("cancel")[0].name)
     result = place.finish(follower)
-    expect(result.returncode == 4 and "CANCELLED" in result.stdout, "a cancelled job is not told", result)
+    expect(result.returncode == 4 and "CANCELLED" in result.stdout and "0 solved" in result.stdout, "a cancelled job is not told", result)
     expect(not list((place.folder / "cancel/runs").glob("*.h5")), "a cancelled job became a record")
 
 
@@ -251,10 +252,15 @@ def past_the_time_limit(place):
         expect(result.returncode == 4 and "TIMEOUT" in result.stdout and "--time=" in result.stdout, "a job past its limit is not told", result)
         (case,) = place.plan(matrix, "slow")
         expect(case["state"] == "timed_out", f"the table says {case}")
+        # Under a name that Slurm does not know, as after MinJobAge: the log still tells.
+        shutil.copytree(place.submissions("slow")[0], place.folder / "forgotten/slurm/dragval-forgotten")
+        result = place.dragval("run", matrix, "--executor", "slurm", "--cache", "forgotten")
+        expect(result.returncode == 4 and "TIMEOUT" in result.stdout, "a job that Slurm forgot is not judged by its log", result)
 
     return judge
 
 
+signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))  # through `with`, which stops the daemons
 with tempfile.TemporaryDirectory() as name, tempfile.TemporaryDirectory() as cluster, OneNodeSlurm(cluster) as slurm:
     place = Place(pathlib.Path(name).resolve(), slurm)
     began = time.monotonic()
