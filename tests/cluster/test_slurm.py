@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Drives the program dragval on a real Slurm of one node: equal results, lost nodes, cancelled and failing jobs, refusals, overhead.
 
-Usage: test_slurm.py DRAGVAL. Needs OpenFOAM, Slurm and munge; takes about two minutes.
+Usage: test_slurm.py DRAGVAL. Needs OpenFOAM, Slurm and munge; at least the minute of the shortest time limit, eight under load.
 """
 import json
 import os
