@@ -224,12 +224,16 @@ namespace {
 
 using Channels = CaseRecord::Channels;
 
-/// What a carried uncertainty is relative to, as coefficients: the channel, but no less than a tenth of the force (or of the moment, of a body
-/// that spins in still air), so that a channel near zero is neither exact nor infinitely uncertain.
+/// What a carried uncertainty is relative to, as coefficients: the channel, but no less than a share of the force (of the moment, of a body that
+/// spins in still air), so that a channel near zero is neither exact nor infinitely uncertain. Wakes lean to a side by up to a third of what they
+/// do along the wind, and the arm of the force is about a tenth of the body.
 Channels carrying_scale(const CaseRecord& record) {
-  constexpr double share = 0.1;
-  const Channels c = coefficients(record).values;
-  return c.cwiseAbs().cwiseMax(share * std::max(c.head<3>().norm(), c.tail<3>().norm()));
+  constexpr double share_of_force = 0.3, share_of_moment = 0.1;
+  Channels c = coefficients(record).values;
+  const double size = std::max(c.head<3>().norm(), c.tail<3>().norm());
+  c.head<3>() = c.head<3>().cwiseAbs().cwiseMax(share_of_force * size);
+  c.tail<3>() = c.tail<3>().cwiseAbs().cwiseMax(share_of_moment * size);
+  return c;
 }
 
 /// u_disc from the usable levels, every channel with the branch that found it.

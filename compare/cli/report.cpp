@@ -28,7 +28,7 @@ void add_report(CLI::App& app, Context& context) {
   command->add_flag("--quick-cost", options->quick_cost, "Measure the cost of the drag model with fewer repetitions and meshes");
   command->callback([options, &context] {
     Sources sources = load(options->source);
-    compare::Report report = compare::make_report(std::move(sources.reference), sources.missing, options->quick_cost);
+    compare::Report report = compare::make_report(std::move(sources.reference), std::move(sources.spinning), sources.missing, options->quick_cost);
     report.source = options->source.cache.empty() ? options->source.store : options->source.cache;
     report.commit = revision();
     if (report.compared() == 0) {

@@ -155,9 +155,9 @@ TEST_CASE("a case on one mesh carries the error that its level has in the neares
   const double fine = 3.0 * 0.02 / 2.0, ratio = std::hypot(0.02, fine) / 1.22;
   CHECK(part_of_mesh(family, 0) == Approx(ratio * 0.9).epsilon(1e-3));  // Brent's accuracy in the order
   CHECK(part_of_mesh(family, 1) == Approx(ratio * 0.3).epsilon(1e-3));
-  const double tenth = 0.1 * std::hypot(0.9, 0.3);  // of the force, where a channel is nearly zero
-  CHECK(part_of_mesh(family, 2) == Approx(ratio * tenth).epsilon(1e-3));
-  CHECK(part_of_mesh(family, 5) == Approx(ratio * tenth).epsilon(1e-3));  // and no moment is surer than the force
+  const double force = std::hypot(0.9, 0.3);  // a share of it where a channel is nearly zero
+  CHECK(part_of_mesh(family, 2) == Approx(ratio * 0.3 * force).epsilon(1e-3));
+  CHECK(part_of_mesh(family, 5) == Approx(ratio * 0.1 * force).epsilon(1e-3));  // and no moment is surer than the force
   CHECK_THAT(family.uncertainty.branches[0], Contains("carried from cube_yaw-45_re-1e5 medium: 3 %"));
 }
 
