@@ -15,7 +15,7 @@
 
 #include "compare/coefficients.hpp"
 #include "compare/prediction.hpp"
-#include "compare/uncertainty.hpp"
+#include "compare/case_of_record.hpp"
 
 namespace compare {
 
@@ -318,8 +318,8 @@ Fit fit_class_law(const ClassLaw& wanted, const std::vector<const CaseRecord*>& 
 
 Calibration calibrate_class_laws(const std::vector<CaseRecord>& records) {
   std::vector<const CaseRecord*> sheets, closed;
-  for (const CaseFamily& family : case_families(records)) {
-    const CaseRecord& record = *family.record;
+  for (const CaseOfRecord& chosen : cases_of_record(records)) {
+    const CaseRecord& record = *chosen.family.record;
     if (!is_usable(record.status) || record.held_out || record.reynolds < 1e4) continue;
     const dragcore::Surface surface(dragcore::triangulate(record.shape, 8));
     (surface.body_class == dragcore::BodyClass::sheet ? sheets : closed).push_back(&record);
@@ -372,8 +372,8 @@ std::optional<double> force_arm(const CaseRecord& record, const Eigen::Vector3d&
 
 Calibration calibrate(const std::vector<CaseRecord>& records) {
   std::vector<const CaseRecord*> cases;
-  for (const CaseFamily& family : case_families(records)) {
-    const CaseRecord& record = *family.record;
+  for (const CaseOfRecord& chosen : cases_of_record(records)) {
+    const CaseRecord& record = *chosen.family.record;
     const std::string shape = shape_of(record);
     if (is_usable(record.status) && !record.held_out && record.reynolds >= 1e4 && (shape == "plate" || shape == "cube" || shape == "cone"))
       cases.push_back(&record);

@@ -37,31 +37,20 @@ struct Driven {
   }
 };
 
-/// Standard uncertainty of the CFD's coefficients. That of x_cp: linear propagation with the six channels taken as independent.
-double channel_uncertainty(const CaseRecord& record, const CaseRecord::Channels& u, Channel channel) {
-  if (channel != Channel::centre_of_pressure) {
-    const auto index = static_cast<Eigen::Index>(channel);
-    return u[index] / coefficient_scales(record)[index];
-  }
-  const Vector3d force = record.load.force(), moment = record.load.moment();
-  double sum = 0.0;
-  for (Eigen::Index k = 0; k < 6; ++k) {
-    // A step small against the force leaves the central difference exact to 1e-8, far below any uncertainty.
-    const double step = 1e-4 * coefficient_scales(record)[k];
-    Vector3d df = Vector3d::Zero(), dm = Vector3d::Zero();
-    (k < 3 ? df[k] : dm[k - 3]) = step;
-    const auto above = coefficients(record, force + df, moment + dm).centre_of_pressure;
-    const auto below = coefficients(record, force - df, moment - dm).centre_of_pressure;
-    if (above && below) sum += std::pow((*above - *below) / (2.0 * step) * u[k], 2);
-  }
-  return std::sqrt(sum);
+/// Standard uncertainty of the CFD's coefficients, with the part of the method or without. A force that is wrong by some per cent has the same line
+/// of action: x_cp has no part of the method.
+double channel_uncertainty(const CaseRecord& record, const LoadUncertainty& u, Channel channel, bool with_method) {
+  const auto index = static_cast<Eigen::Index>(channel);
+  if (channel != Channel::centre_of_pressure) return (with_method ? u.total : u.numerical)[index] / coefficient_scales(record)[index];
+  return propagated(record, u.numerical,
+                    [&](const Vector3d& force, const Vector3d& moment) { return coefficients(record, force, moment).centre_of_pressure; });
 }
 
 ErrorRow row_of(const CaseRecord& record) {
   ErrorRow row;
   row.case_name = record.name;
   row.shape = shape_label(record.shape);
-  row.family = fmt::format("{}, Re {:g}, {}", row.shape, record.reynolds, record.flow_model);
+  row.family = fmt::format("{}, Re {:g}, {}", row.shape, record.reynolds, flow_class(record.flow_model));
   row.incidence_deg = record.pose.incidence / deg;
   row.yaw_deg = record.pose.yaw / deg;
   row.roll_deg = record.pose.roll / deg;
@@ -72,6 +61,15 @@ ErrorRow row_of(const CaseRecord& record) {
   row.status = case_record::to_string(record.status);
   row.reason = record.reason;
   return row;
+}
+
+/// How u_disc was found.
+std::string mesh_note(const CaseFamily& family) {
+  const LoadUncertainty& u = family.uncertainty;
+  if (!u.discretisation_assessed) return fmt::format("{}: u of the mesh {}", family.record->name, u.branches.front());
+  return fmt::format("{}: u of the mesh in C_D {:.2g} from {} usable level{}, {}", family.record->name,
+                     u.discretisation[0] / coefficient_scales(*family.record)[0], family.usable_levels().size(),
+                     family.usable_levels().size() == 1 ? "" : "s", u.branches.front());
 }
 
 std::string group_label(const ErrorRow& row, const std::vector<GroupBy>& by) {
@@ -176,15 +174,17 @@ ErrorTable compare_with(const std::vector<CaseRecord>& records, const Predictor&
                         const std::vector<std::string>& missing, const std::vector<GroupBy>& by) {
   ErrorTable table;
   table.model_name = model_name;
-  const std::vector<CaseFamily> families = case_families(records);
+  const std::vector<CaseOfRecord> cases = cases_of_record(records);
   std::map<std::string, Driven> driven;
-  for (const CaseFamily& family : families) {
-    Driven& axes = driven[row_of(*family.record).family];
-    axes.incidence |= family.record->pose.incidence != 0.0;
-    axes.yaw |= family.record->pose.yaw != 0.0;
+  for (const CaseOfRecord& chosen : cases) {
+    const CaseRecord& record = *chosen.family.record;
+    Driven& axes = driven[row_of(record).family];
+    axes.incidence |= record.pose.incidence != 0.0;
+    axes.yaw |= record.pose.yaw != 0.0;
   }
 
-  for (const CaseFamily& family : families) {
+  for (const CaseOfRecord& chosen : cases) {
+    const CaseFamily& family = chosen.family;
     const CaseRecord& record = *family.record;
     const bool usable = case_record::is_usable(record.status);
     ErrorRow row = row_of(record);
@@ -192,11 +192,15 @@ ErrorTable compare_with(const std::vector<CaseRecord>& records, const Predictor&
     const Coefficients ours = coefficients(record, predicted.force, predicted.torque);
     const Coefficients theirs = coefficients(record);
     row.discretisation_assessed = family.uncertainty.discretisation_assessed;
+    const std::optional<Coefficients> other =
+        chosen.other_branch ? std::optional(coefficients(*chosen.alternatives[*chosen.other_branch].record)) : std::nullopt;
     for (const Channel channel : driven.at(row.family).channels()) {
       row.channel = channel;
       row.model = ours[channel];
       row.cfd = usable ? theirs[channel] : std::nullopt;
-      row.u = row.cfd ? channel_uncertainty(record, family.uncertainty.total, channel) : 0.0;
+      row.u = row.cfd ? channel_uncertainty(record, family.uncertainty, channel, true) : 0.0;
+      row.u_numerical = row.cfd ? channel_uncertainty(record, family.uncertainty, channel, false) : 0.0;
+      row.other_branch = other ? (*other)[channel] : std::nullopt;
       row.error = row.model && row.cfd ? std::optional(*row.model - *row.cfd) : std::nullopt;
       row.verdict.reset();
       if (row.error)
@@ -207,9 +211,8 @@ ErrorTable compare_with(const std::vector<CaseRecord>& records, const Predictor&
       table.rows.push_back(row);
     }
     if (usable) ++table.compared;
-    if (!family.uncertainty.branches.empty())
-      table.notes.push_back(record.name + ": u of the mesh from " + std::to_string(family.levels.size()) + " levels, C_D by " +
-                            family.uncertainty.branches.front());
+    if (usable) table.notes.push_back(mesh_note(family));
+    if (!chosen.note.empty()) table.notes.push_back(chosen.note);
   }
   std::stable_sort(table.rows.begin(), table.rows.end(), [](const ErrorRow& a, const ErrorRow& b) {
     return std::tie(a.family, a.roll_deg, a.incidence_deg, a.yaw_deg) < std::tie(b.family, b.roll_deg, b.incidence_deg, b.yaw_deg);
@@ -230,7 +233,7 @@ ErrorTable compare_with(const std::vector<CaseRecord>& records, const Predictor&
 
 void write_comparison(const std::filesystem::path& path, const std::vector<ErrorTable>& tables) {
   const std::scoped_lock lock(hdf5::library_mutex());
-  hdf5::write_file(path, "dragval comparison", "1.0", [&](const hdf5::Handle& file) {
+  hdf5::write_file(path, "dragval comparison", "1.1", [&](const hdf5::Handle& file) {
     hdf5::write_attribute(file, "conventions", "docs/conventions.md; NaN: not defined for this row, its status says why");
     for (const ErrorTable& table : tables) {
       if (table.rows.empty()) throw std::invalid_argument("the comparison with " + table.model_name + " has no rows; nothing to store");
@@ -263,6 +266,8 @@ void write_comparison(const std::filesystem::path& path, const std::vector<Error
       numbers("model", {"1", "coefficient of the drag model", "wind", ""}, [](const ErrorRow& row) { return row.model; });
       numbers("cfd", {"1", "coefficient of the reference", "wind", "u"}, [](const ErrorRow& row) { return row.cfd; });
       numbers("u", {"1", "standard uncertainty of cfd", "", ""}, [](const ErrorRow& row) { return row.u; });
+      numbers("u_numerical", {"1", "the part of u that is not of the method", "", ""}, [](const ErrorRow& row) { return row.u_numerical; });
+      numbers("other_branch", {"1", "coefficient on the other branch of the flow", "wind", ""}, [](const ErrorRow& row) { return row.other_branch; });
       numbers("discretisation_assessed", {"1", "1: u holds the part of the mesh", "", ""},
               [](const ErrorRow& row) { return row.discretisation_assessed ? 1.0 : 0.0; });
       numbers("error", {"1", "model - cfd", "", "u"}, [](const ErrorRow& row) { return row.error; });

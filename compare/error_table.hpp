@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "compare/case_of_record.hpp"
 #include "compare/coefficients.hpp"
 #include "compare/prediction.hpp"
 #include "compare/published.hpp"
@@ -18,7 +19,7 @@ enum class Verdict { resolved, within_noise };  ///< |error| > 2u, or not
 /// One case and one channel: model against reference.
 struct ErrorRow {
   std::string case_name;
-  std::string family;  ///< shape, Re and flow model: "plate span=2, Re 100, laminar"
+  std::string family;  ///< shape, Re and flow_class(): "plate span=2, Re 100, laminar"
   std::string shape;   ///< kind, with the parameters that differ from make_shape()'s defaults: "plate span=2"
   double incidence_deg = 0.0;
   double yaw_deg = 0.0;
@@ -33,6 +34,8 @@ struct ErrorRow {
   std::optional<double> model;  ///< coefficient; x_cp may be undefined on either side
   std::optional<double> cfd;
   double u = 0.0;                        ///< standard uncertainty of `cfd`
+  double u_numerical = 0.0;              ///< the same without the part of the method
+  std::optional<double> other_branch;    ///< `cfd` on the other branch, where stepping the angle up and down ends in two flows
   bool discretisation_assessed = false;  ///< false: `u` lacks the part of the mesh and is printed with a *
   std::optional<double> error;           ///< model - cfd
   std::optional<double> relative_error;  ///< error / |cfd|; empty where |cfd| < 2u or < 5 % of the largest of its family and channel
@@ -63,7 +66,7 @@ struct ErrorTable {
   std::vector<ErrorRow> rows;
   std::vector<ErrorSummary> summaries;
   std::vector<PublishedCheck> published;  ///< the CFD chain against published values
-  std::vector<std::string> notes;         ///< how u_disc was found, family by family
+  std::vector<std::string> notes;         ///< how u_disc was found, case by case, and which of several families stands for a pose
   int compared = 0;                       ///< cases with both sides
 };
 
@@ -71,7 +74,7 @@ struct ErrorTable {
 enum class GroupBy { shape, orientation, reynolds, held_out };
 GroupBy group_by_from(const std::string& word);  ///< @throws std::invalid_argument with the known words
 
-/// Compares a model with the finest usable mesh of each case.
+/// Compares a model with the case of record of each pose, at its finest usable mesh.
 /// Channels: C_D; for families posed by incidence C_L and C_m, for those posed by yaw C_S and C_n; x_cp where it is defined.
 /// @param missing  names of planned cases without a record: they become rows with status "missing"
 ErrorTable compare_with(const std::vector<case_record::CaseRecord>& records, const Predictor& model, const std::string& model_name,

@@ -7,6 +7,7 @@
 
 #include "compare/error_table.hpp"
 #include "compare/text_grid.hpp"
+#include "compare/truth_table.hpp"
 
 namespace compare {
 namespace {
@@ -16,7 +17,10 @@ std::string percent(const std::optional<double>& ratio) { return ratio ? number_
 
 std::string verdict(const ErrorRow& row) {
   // Without the part of the mesh 2u is a lower bound, and so is the evidence.
-  if (row.verdict) return *row.verdict != Verdict::resolved ? "noise" : row.discretisation_assessed ? "resolved" : "resolved*";
+  if (row.verdict) {
+    const std::string word = *row.verdict != Verdict::resolved ? "noise" : row.discretisation_assessed ? "resolved" : "resolved*";
+    return word + (row.other_branch ? fmt::format("; two branches, other {:.3f}", *row.other_branch) : "");
+  }
   if (row.status == "missing" || (!row.cfd && !row.reason.empty())) return row.status + ": " + row.reason;
   // A usable case may have no centre of pressure: that is no verdict on it.
   const bool usable = row.status == "steady" || row.status == "statistically_steady";
@@ -35,7 +39,9 @@ TextGrid rows_grid(const std::vector<const ErrorRow*>& rows) {
   grid.add({"orientation", "", "model", "CFD", "u", "error", "relative", "verdict", "published", "CFD to it"});
   std::string previous;
   for (const ErrorRow* row : rows) {
-    const std::string where = row->status == "missing" ? row->case_name : orientation(*row) + (row->held_out ? " (held out)" : "");
+    const std::string where = row->status == "missing" ? row->case_name
+                                                       : orientation(*row) + (row->flow_model != flow_class(row->flow_model) ? ", scale-resolving" : "") +
+                                                             (row->held_out ? " (held out)" : "");
     const bool usable = row->cfd || row->status == "steady" || row->status == "statistically_steady";
     const fmt::text_style style = !usable                             ? fg(fmt::terminal_color::red)
                                   : row->verdict == Verdict::resolved ? fg(fmt::terminal_color::yellow)
@@ -63,32 +69,10 @@ TextGrid summary_grid(const std::vector<ErrorSummary>& summaries) {
   return grid;
 }
 
-TextGrid published_grid(const std::vector<PublishedCheck>& checks) {
-  TextGrid grid;
-  grid.add({"case", "", "CFD", "published", "±", "difference", "goal", "source"});
-  for (const PublishedCheck& check : checks) {
-    const char* mark = !check.goal ? "" : check.within_goal() ? "within " : "OUTSIDE ";
-    grid.add({check.case_name, check.quantity, number_text(check.cfd), number_text(check.published.value),
-              number_text(check.published.uncertainty),
-              fmt::format("{:+.1f}{}", check.difference_in_unit(), check.unit()),
-              check.goal ? fmt::format("{}{:g}{}", mark, *check.goal, check.unit()) : "",
-              check.published.citation + (check.published.conversion.empty() ? "" : " (area converted)")},
-             check.within_goal() ? fmt::text_style{} : fg(fmt::terminal_color::red));
-  }
-  return grid;
-}
-
-std::string csv_cell(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
-}
-
 std::string csv(const ErrorTable& table) {
   std::string text =
       "case,shape,incidence_deg,yaw_deg,roll_deg,reynolds,flow_model,mesh_level,held_out,status,channel,model,cfd,u,"
-      "discretisation_assessed,error,relative_error,verdict,published,citation,reason\n";
+      "u_numerical,discretisation_assessed,other_branch,error,relative_error,verdict,published,citation,reason\n";
   for (const ErrorRow& row : table.rows) {
     const auto full = [](const std::optional<double>& value) { return number_text(value, "{:.9g}"); };
     const std::vector<std::string> cells = {row.case_name,
@@ -105,15 +89,16 @@ std::string csv(const ErrorTable& table) {
                                             full(row.model),
                                             full(row.cfd),
                                             row.cfd ? full(row.u) : "",
+                                            row.cfd ? full(row.u_numerical) : "",
                                             row.discretisation_assessed ? "1" : "0",
+                                            full(row.other_branch),
                                             full(row.error),
                                             full(row.relative_error),
                                             row.verdict ? verdict(row) : "",
                                             row.published ? full(row.published->value) : "",
                                             row.published ? row.published->citation : "",
                                             row.reason};
-    for (std::size_t k = 0; k < cells.size(); ++k) text += (k ? "," : "") + csv_cell(cells[k]);
-    text += "\n";
+    text += csv_line(cells);
   }
   return text;
 }
@@ -132,7 +117,7 @@ Format format_from(const std::string& word) {
 
 json to_json(const ErrorTable& table) {
   json result = {{"model", table.model_name}, {"compared", table.compared}, {"notes", table.notes}};
-  result["rows"] = result["summaries"] = result["published"] = json::array();
+  result["rows"] = result["summaries"] = json::array();
   for (const ErrorRow& row : table.rows)
     result["rows"].push_back({{"case", row.case_name},
                               {"family", row.family},
@@ -150,6 +135,8 @@ json to_json(const ErrorTable& table) {
                               {"model", optional_json(row.model)},
                               {"cfd", optional_json(row.cfd)},
                               {"u", row.cfd ? json(row.u) : json(nullptr)},
+                              {"u_numerical", row.cfd ? json(row.u_numerical) : json(nullptr)},
+                              {"other_branch", optional_json(row.other_branch)},
                               {"discretisation_assessed", row.discretisation_assessed},
                               {"error", optional_json(row.error)},
                               {"relative_error", optional_json(row.relative_error)},
@@ -169,19 +156,7 @@ json to_json(const ErrorTable& table) {
                                    {"resolved", s.resolved},
                                    {"bias_factor", optional_json(s.bias_factor)},
                                    {"scatter", optional_json(s.scatter)}});
-  for (const PublishedCheck& check : table.published)
-    result["published"].push_back({{"case", check.case_name},
-                                   {"quantity", check.quantity},
-                                   {"cfd", check.cfd},
-                                   {"published", check.published.value},
-                                   {"uncertainty", check.published.uncertainty},
-                                   {"difference", check.difference()},
-                                   {"difference_percent", check.difference_percent()},
-                                   {"goal", optional_json(check.goal)},
-                                   {"goal_unit", check.is_angle() ? "deg" : "%"},
-                                   {"within_goal", check.within_goal()},
-                                   {"citation", check.published.citation},
-                                   {"conversion", check.published.conversion}});
+  result["published"] = to_json(table.published);
   return result;
 }
 
@@ -203,9 +178,9 @@ std::string render(const ErrorTable& table, Format format, bool colour) {
   }
   text += block("Errors of the model, model - CFD; bias with its 95 % interval", summary_grid(table.summaries));
   if (!table.published.empty())
-    text += block("The CFD against published values, on the reference area of docs/conventions.md", published_grid(table.published));
+    text += block("The CFD against published values, on the reference area of docs/conventions.md", truth_grid(table.published));
   text +=
-      "u: one standard uncertainty of the CFD; u*: without the part of the mesh, which fewer than three levels do not show. resolved: "
+      "u: one standard uncertainty of the CFD, the part of its method included; u*: without the part of the mesh, which one level alone does not show. resolved: "
       "|error| > 2u.\n";
   for (const std::string& note : table.notes) text += (terminal ? "" : "* ") + note + "\n";
   return text;

@@ -72,7 +72,7 @@ void check_null_channels(Tally& tally, const CaseFamily& family, const dragcore:
     const std::string where = record.name + " " + symbol(static_cast<Channel>(k));
     tally.add(std::abs(ours[index]) / null_prediction,
               fmt::format("{} {:+.2e} predicted, at most {:.0e}", where, ours[index], null_prediction));
-    const double allowed = std::max(null_reference, 3.0 * family.uncertainty.total[index] / scales[index]);
+    const double allowed = std::max(null_reference, 3.0 * family.uncertainty.numerical[index] / scales[index]);
     tally.add(std::abs(theirs[index]) / allowed, fmt::format("{} {:+.2e} in the reference, at most {:.2g}", where, theirs[index], allowed));
   }
 }
@@ -88,7 +88,7 @@ GateResult run_gate(const Baseline& baseline, const std::vector<CaseRecord>& rec
   GateResult result;
   result.planned = static_cast<int>(baseline.planned.size());
   std::map<std::string, std::size_t> compared;  // in how many of the models
-  const std::vector<CaseFamily> families = case_families(records);
+  const std::vector<CaseOfRecord> records_of_pose = cases_of_record(records);
   for (const NamedModel& named : gated_models()) {
     const auto found = baseline.models.find(named.name);
     if (found == baseline.models.end()) {
@@ -129,8 +129,9 @@ GateResult run_gate(const Baseline& baseline, const std::vector<CaseRecord>& rec
       groups.add((summary.rms - was.rms) / was.budget, fmt::format("{} {} rms error {:.4f}, was {:.4f}, may grow by {:.4f}", summary.group,
                                                                    symbol(summary.channel), summary.rms, was.rms, was.budget));
     }
-    for (const CaseFamily& family : families)
-      if (case_record::is_usable(family.record->status)) check_null_channels(null, family, predict_case(*family.record));
+    for (const CaseOfRecord& chosen : records_of_pose)
+      if (const CaseFamily& family = chosen.family; case_record::is_usable(family.record->status))
+        check_null_channels(null, family, predict_case(*family.record));
     for (const Tally* tally : {&predictions, &references, &groups, &cases, &signs, &null}) result.checks.push_back(tally->result());
   }
   // A case counts when every model was compared on it: one that is missing from a single model is a hole too.

@@ -10,12 +10,13 @@
 namespace compare {
 
 std::vector<NoteRow> note_table(const std::vector<case_record::CaseRecord>& records, const std::vector<NamedModel>& models) {
-  const std::vector<CaseFamily> families = case_families(records);
+  const std::vector<CaseOfRecord> cases = cases_of_record(records);
   std::vector<NoteRow> rows;
   for (const PublishedEntry& entry : published_entries()) {
     if (entry.note_label.empty()) continue;
     NoteRow row{entry.note_label, entry.published.value, {}, 0.0, false, "", std::vector<std::optional<double>>(models.size())};
-    for (const CaseFamily& family : families) {
+    for (const CaseOfRecord& chosen : cases) {
+      const CaseFamily& family = chosen.family;
       const case_record::CaseRecord& record = *family.record;
       if (!case_record::is_usable(record.status) || !entry.fits(record)) continue;
       row.case_name = record.name;

@@ -46,7 +46,8 @@ dragcore::WrenchByTerm predict(const case_record::CaseRecord& record, const Mode
   const dragcore::Surface& surface = prepared(record.shape, divisions > 0 ? divisions : default_divisions(record.shape));
   const Eigen::Matrix3d to_wind = record.pose.rotation();
   dragcore::Motion motion;
-  motion.wind = to_wind.transpose() * Eigen::Vector3d(record.speed, 0.0, 0.0);
+  if (!record.still_air) motion.wind = to_wind.transpose() * Eigen::Vector3d(record.speed, 0.0, 0.0);
+  motion.angular_velocity = to_wind.transpose() * record.angular_velocity;
   dragcore::WrenchByTerm wrench = dragcore::wrench(surface, motion, {.density = record.density}, choice.on(surface));
   for (dragcore::Wrench& term : wrench.terms) term = {to_wind * term.force, to_wind * term.torque};
   return wrench;

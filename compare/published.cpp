@@ -4,50 +4,34 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <numbers>
 #include <stdexcept>
 
-#include "compare/uncertainty.hpp"
+#include "compare/read_selector.hpp"
 
 extern const char* const published_toml;  // published.toml, compiled in (CMakeLists.txt)
 
 namespace compare {
+
+using case_record::CaseRecord;
+
 namespace {
 
-using Range = PublishedEntry::Range;
-
+using Eigen::Vector3d;
 constexpr double deg = std::numbers::pi / 180.0;
-
-/// A number stands for itself within 1 % (or half a degree), a pair for everything between.
-Range range_from(const toml::node& node, double slack) {
-  if (const toml::array* pair = node.as_array(); pair && pair->size() == 2)
-    return {pair->get(0)->value<double>().value(), pair->get(1)->value<double>().value()};
-  const double value = node.value<double>().value();
-  return {value - slack, value + slack};
-}
-
-bool holds(const Range& range, double value) { return range.first <= value && value <= range.second; }
 
 PublishedEntry entry_from(const toml::table& table) {
   constexpr double half_degree = 0.5;
   PublishedEntry entry;
-  entry.incidence_deg = entry.yaw_deg = {-half_degree, half_degree};
+  entry.cases.incidence_deg = entry.cases.yaw_deg = {-half_degree, half_degree};  // head on, unless it says more
   for (const auto& [key, node] : table) {
     const std::string name(key.str());
     const auto text = [&] { return node.value<std::string>().value(); };
     const auto number = [&] { return node.value<double>().value(); };
-    if (name == "shape")
-      entry.shape = text();
-    else if (name == "ratios")
-      for (const auto& [ratio, value] : *node.as_table())
-        entry.ratios[std::string(ratio.str())] = range_from(value, 0.01 * value.value_or(0.0));
-    else if (name == "incidence_deg")
-      entry.incidence_deg = range_from(node, half_degree);
-    else if (name == "yaw_deg")
-      entry.yaw_deg = range_from(node, half_degree);
-    else if (name == "reynolds")
-      entry.reynolds = range_from(node, 0.01 * node.value_or(0.0));
-    else if (name == "quantity")
+    if (read_selector(entry.cases, name, node)) continue;
+    if (name == "quantity")
       entry.quantity = text();
     else if (name == "value")
       entry.published.value = number();
@@ -63,6 +47,10 @@ PublishedEntry entry_from(const toml::table& table) {
       entry.published.conversion = text();
     else if (name == "area_factor")
       entry.area_factor = number();
+    else if (name == "reynolds_power")
+      entry.reynolds_power = number();
+    else if (name == "reynolds_squared")
+      entry.reynolds_squared = number();
     else if (name == "goal")
       entry.goal = number();
     else if (name == "note_label")
@@ -73,42 +61,30 @@ PublishedEntry entry_from(const toml::table& table) {
   return entry;
 }
 
-/// The value of "span" or "span/chord" for this shape, if it has these parameters.
-std::optional<double> ratio_of(const dragcore::Shape& shape, const std::string& ratio) {
-  const auto parameters = dragcore::parameters(shape);
-  const std::size_t slash = ratio.find('/');
-  const auto above = parameters.find(ratio.substr(0, slash));
-  if (above == parameters.end()) return std::nullopt;
-  if (slash == std::string::npos) return above->second;
-  const auto below = parameters.find(ratio.substr(slash + 1));
-  if (below == parameters.end()) return std::nullopt;
-  return above->second / below->second;
-}
-
-std::optional<double> measured(const case_record::CaseRecord& record, const std::string& quantity) {
-  const Coefficients c = coefficients(record);
-  if (quantity == "C_D") return c[Channel::drag];
-  if (quantity == "C_L") return c[Channel::lift];
+double measured(const CaseRecord& record, const std::string& quantity, const Vector3d& force, const Vector3d& moment) {
+  const Coefficients c = coefficients(record, force, moment);
+  if (quantity == "C_D") return *c[Channel::drag];
+  if (quantity == "C_L") return *c[Channel::lift];
+  if (quantity == "C_m") return *c[Channel::pitch];
   if (quantity == "force_angle_deg") return std::atan2(*c[Channel::drag], *c[Channel::lift]) / deg;
-  return std::nullopt;  // of bodies that spin: nothing here measures it yet
+  if (quantity == "C_spin") return c.values.tail<3>().dot(record.angular_velocity.normalized());
+  throw std::invalid_argument("published.toml: nothing measures the quantity '" + quantity + "'");
 }
 
 }  // namespace
 
-bool PublishedEntry::fits(const case_record::CaseRecord& record) const {
-  return dragcore::kind(record.shape) == shape && holds(reynolds, record.reynolds) && holds(incidence_deg, record.pose.incidence / deg) &&
-         holds(yaw_deg, record.pose.yaw / deg) && std::all_of(ratios.begin(), ratios.end(), [&](const auto& ratio) {
-           const auto value = ratio_of(record.shape, ratio.first);
-           return value && holds(ratio.second, *value);
-         });
+bool PublishedEntry::fits(const CaseRecord& record) const {
+  if (quantity == "C_spin" ? !record.spins() || !record.still_air : record.spins()) return false;
+  return cases.fits(record);
 }
 
-PublishedValue PublishedEntry::on_reference_area(const case_record::CaseRecord& record) const {
+PublishedValue PublishedEntry::on_reference_area(const CaseRecord& record) const {
   PublishedValue converted = published;
   // A force normal to the plate has the direction of its incidence: the one value that depends on the case.
   if (quantity == "force_angle_deg") converted.value = record.pose.incidence / deg;
-  converted.value *= area_factor;
-  converted.uncertainty *= area_factor;
+  const double factor = area_factor * std::pow(record.reynolds, reynolds_power) * (1.0 + reynolds_squared * record.reynolds * record.reynolds);
+  converted.value *= factor;
+  converted.uncertainty *= std::abs(factor);
   return converted;
 }
 
@@ -122,19 +98,60 @@ const std::vector<PublishedEntry>& published_entries() {
   return entries;
 }
 
-std::optional<PublishedValue> published_value(const case_record::CaseRecord& record, const std::string& quantity) {
+std::optional<PublishedValue> published_value(const CaseRecord& record, const std::string& quantity) {
   for (const PublishedEntry& entry : published_entries())
     if (entry.quantity == quantity && entry.fits(record)) return entry.on_reference_area(record);
   return std::nullopt;
 }
 
-std::vector<PublishedCheck> published_checks(const std::vector<case_record::CaseRecord>& records) {
+namespace {
+
+using Quantity = std::function<double(const CaseRecord&, const Vector3d& force, const Vector3d& moment)>;
+
+/// The errors of a mesh in lift and drag go together, and cancel in the angle: an angle has the mesh error of its own values over the levels.
+double numerical_uncertainty(const CaseFamily& family, const Quantity& quantity, bool is_angle) {
+  const CaseRecord& record = *family.record;
+  LoadUncertainty::Channels u = family.uncertainty.numerical;
+  const auto levels = family.usable_levels();
+  double mesh = 0.0;
+  if (is_angle && levels.size() >= 2) try {
+      std::vector<double> cells, values;
+      for (const CaseRecord* level : levels) cells.push_back(level->cells), values.push_back(quantity(*level, level->load.force(), level->load.moment()));
+      mesh = (levels.size() == 2 ? two_grid_study(cells, values) : grid_study(cells, values)).uncertainty;
+      u = (u.cwiseAbs2() - family.uncertainty.discretisation.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
+    } catch (const std::invalid_argument&) {  // refused meshes: the forces have what is carried
+    }
+  return std::hypot(mesh, propagated(record, u, [&](const Vector3d& f, const Vector3d& m) { return std::optional(quantity(record, f, m)); }));
+}
+
+void add_checks(std::vector<PublishedCheck>& checks, const CaseFamily& family, bool of_record) {
+  const CaseRecord& record = *family.record;
+  if (!case_record::is_usable(record.status)) return;
+  const Vector3d force = record.load.force(), moment = record.load.moment();
+  const LoadUncertainty& u = family.uncertainty;
+  for (const PublishedEntry& entry : published_entries()) {
+    if (!entry.fits(record)) continue;
+    const Quantity quantity = [&](const CaseRecord& level, const Vector3d& f, const Vector3d& m) { return measured(level, entry.quantity, f, m); };
+    PublishedCheck check{.case_name = record.name, .flow_model = record.flow_model, .of_record = of_record, .quantity = entry.quantity};
+    check.cfd = quantity(record, force, moment);
+    check.u = numerical_uncertainty(family, quantity, check.is_angle());
+    // The method's part scales the whole load: an angle has none of it.
+    if (force.norm() > 0.0 && !check.is_angle()) check.u_method = std::abs(check.cfd) * u.method.head<3>().norm() / force.norm();
+    check.discretisation_assessed = u.discretisation_assessed;
+    check.published = entry.on_reference_area(record);
+    check.goal = entry.goal;
+    checks.push_back(std::move(check));
+  }
+}
+
+}  // namespace
+
+std::vector<PublishedCheck> published_checks(const std::vector<CaseRecord>& records, bool alternatives) {
   std::vector<PublishedCheck> checks;
-  for (const CaseFamily& family : case_families(records)) {
-    if (!case_record::is_usable(family.record->status)) continue;
-    for (const PublishedEntry& entry : published_entries())
-      if (const auto cfd = measured(*family.record, entry.quantity); cfd && entry.fits(*family.record))
-        checks.push_back({family.record->name, entry.quantity, *cfd, entry.on_reference_area(*family.record), entry.goal});
+  for (const CaseOfRecord& chosen : cases_of_record(records)) {
+    add_checks(checks, chosen.family, true);
+    if (!alternatives) continue;
+    for (const CaseFamily& alternative : chosen.alternatives) add_checks(checks, alternative, false);
   }
   return checks;
 }

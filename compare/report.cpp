@@ -29,8 +29,8 @@ std::string ReportedModel::label() const {
   return pillow == "none" ? law : fmt::format("{}, {} pillow {:.2f}", law, pillow, choice.model.pillow.factor);
 }
 
-Report make_report(Reference reference, const std::vector<std::string>& missing, bool quick_cost) {
-  Report report{.reference = std::move(reference)};
+Report make_report(Reference reference, std::vector<CaseRecord> spinning, const std::vector<std::string>& missing, bool quick_cost) {
+  Report report{.reference = std::move(reference), .spinning = std::move(spinning)};
   const std::vector<CaseRecord>& cases = report.reference.cases;
   const auto add = [&](const ModelChoice& choice) {
     report.models.push_back({law_label(choice.by_class ? "by class" : choice.model.law.name), to_string(choice.model.pillow.form), choice, {}});

@@ -26,7 +26,8 @@ struct ReportedModel {
 
 /// Everything that the page is made of.
 struct Report {
-  Reference reference;
+  Reference reference;  ///< bodies at rest
+  std::vector<CaseRecord> spinning;        ///< and those that spin
   std::vector<ReportedModel> models;       ///< the laws without pillow first, the note's at their head; then each fitted pillow
   std::optional<Calibration> calibration;  ///< empty when the references do not suffice, and then:
   std::string calibration_fault;           ///< why
@@ -39,9 +40,10 @@ struct Report {
 };
 
 /// Predicts, calibrates and measures the cost.
+/// @param reference   bodies at rest
 /// @param missing     names of planned cases that have no result
 /// @param quick_cost  fewer repetitions and meshes in the measurement of cost, for tests
-Report make_report(Reference reference, const std::vector<std::string>& missing, bool quick_cost = false);
+Report make_report(Reference reference, std::vector<CaseRecord> spinning, const std::vector<std::string>& missing, bool quick_cost = false);
 
 /// Vega-Lite specifications by name: "drag_against_orientation", "cost", "face_pressure", and "sweep-<slug>" for every Sweep with a curve.
 std::map<std::string, nlohmann::json> figures(const Report& report);

@@ -259,8 +259,8 @@ json cost_figure(const Report& report) {
   if (panels.empty()) return nullptr;
   std::map<std::string, double> finest_u;
   for (const CaseFamily& family : case_families(report.reference.cases))
-    if (family.uncertainty.discretisation_assessed)
-      finest_u[family.record->name] = family.uncertainty.total[0] / coefficient_scales(*family.record)[0];
+    if (family.uncertainty.discretisation_assessed && family.usable_levels().size() >= 3)
+      finest_u[family.record->name] = family.uncertainty.numerical[0] / coefficient_scales(*family.record)[0];
 
   double time_low = 1e-6, time_high = 1.0, error_low = 0.1, error_high = 0.1;
   const auto in_range = [&](double seconds, double error) {

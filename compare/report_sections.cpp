@@ -13,6 +13,7 @@
 
 #include "compare/html.hpp"
 #include "compare/note_table.hpp"
+#include "compare/spin_table.hpp"
 #include "compare/uncertainty.hpp"
 
 namespace compare {
@@ -147,7 +148,7 @@ long without_mesh_part(const Report& report) {
 std::string verdict_section(const Report& report, const std::vector<Sweep>& list) {
   const ReportedModel& note = report.models.front();
   const ReportedModel& best = best_law(report);
-  const auto cases = static_cast<int>(case_families(report.reference.cases).size());
+  const auto cases = static_cast<int>(cases_of_record(report.reference.cases).size());
   std::string text = fmt::format(
       "<p>This page compares a drag law that is evaluated triangle by triangle, fast enough for games and robots, with OpenFOAM on the "
       "same bodies in the same "
@@ -162,8 +163,8 @@ std::string verdict_section(const Report& report, const std::vector<Sweep>& list
   if (const auto blind = without_mesh_part(report); blind > 0)
     text += fmt::format(
         "<p>In {} of these cases <i>u</i> (marked *) holds what the iterations and the unsteadiness of the flow leave open, but not the "
-        "part of the mesh: that takes three mesh "
-        "levels of a case. Their 2<i>u</i> is a lower bound.</p>\n",
+        "part of the mesh: that takes two mesh "
+        "levels of a case, or a like case on three. Their 2<i>u</i> is a lower bound.</p>\n",
         blind);
   std::set<const ReportedModel*> judged = {&note, &best};
   text += "<p>" + verdict_sentence(report, note, false) + (judged.size() > 1 ? verdict_sentence(report, best, false) : "") + "</p>\n";
@@ -227,10 +228,10 @@ double drag_of_note_body(const std::string& label, const ModelChoice& choice) {
   const auto& entries = published_entries();
   const auto entry =
       std::find_if(entries.begin(), entries.end(), [&](const PublishedEntry& candidate) { return candidate.note_label == label; });
-  const auto middle = [](const PublishedEntry::Range& range) { return 0.5 * (range.first + range.second) * std::numbers::pi / 180.0; };
+  const auto middle = [](const CaseSelector::Range& range) { return 0.5 * (range.first + range.second) * std::numbers::pi / 180.0; };
   CaseRecord body;
-  body.shape = dragcore::make_shape(entry->shape, {});
-  body.pose = {.incidence = middle(entry->incidence_deg), .yaw = middle(entry->yaw_deg)};
+  body.shape = dragcore::make_shape(entry->cases.shape, {});
+  body.pose = {.incidence = middle(entry->cases.incidence_deg), .yaw = middle(entry->cases.yaw_deg)};
   return predict(body, choice).total().force.x() / (coefficient_scales(body)[0] * entry->area_factor);
 }
 
@@ -337,7 +338,8 @@ std::string error_table(const Report& report, const Sweep& sweep, Channel channe
       table.rows.push_back(cells);
       continue;
     }
-    cells.push_back({with_uncertainty(*row->cfd, row->u, row->discretisation_assessed, decimals)});
+    cells.push_back({with_uncertainty(*row->cfd, row->u, row->discretisation_assessed, decimals) +
+                     (row->other_branch ? " (two branches, other " + number(row->other_branch, decimals) + ")" : "")});
     if (any_published) cells.push_back({row->published ? number(row->published->value, 3) : ""});
     for (const ReportedModel* model : models) {
       const auto all = rows_of(model->table, sweep, channel);
@@ -378,9 +380,10 @@ std::string errors_section(const Report& report, const std::vector<Sweep>& list)
 // --- 5. CFD against published values ---------------------------------------------------------------------------------------------------
 
 std::string published_section(const Report& report) {
-  Table table{.id = "published-table", .caption = "OpenFOAM against published values, on the reference areas of docs/conventions.md."};
+  Table table{.id = "published-table", .caption = "OpenFOAM against published values, on the reference areas of docs/conventions.md. Here <i>u</i> is numerical, without the part of the method, which "
+                                                "this comparison is to show."};
   table.head = {
-      {{"case", "text"}, {"quantity"}, {"OpenFOAM"}, {"published"}, {"difference"}, {"goal"}, {"verdict", "text"}, {"source", "text"}}};
+      {{"case", "text"}, {"quantity"}, {"OpenFOAM \u00b1 <i>u</i>"}, {"published"}, {"difference"}, {"goal"}, {"verdict", "text"}, {"source", "text"}}};
   for (const PublishedCheck& check : report.models.front().table.published) {
     const int decimals = check.is_angle() ? 1 : 3;
     const std::string quantity = check.is_angle() ? "force angle [\u00b0]" : html::symbol(check.quantity);
@@ -389,18 +392,55 @@ std::string published_section(const Report& report) {
     table.rows.push_back(
         {{escape(check.case_name), "text tight"},
          {quantity},
-         {number(check.cfd, decimals)},
+         {with_uncertainty(check.cfd, check.u, check.discretisation_assessed, decimals)},
          {number(check.published.value, decimals) + " \u00b1 " + number(check.published.uncertainty, decimals)},
          {number(check.difference_in_unit(), 1, true) + check.unit()},
          {check.goal ? "\u00b1" + number(*check.goal, 0) + check.unit() : "\u2013"},
-         {!check.goal           ? "no goal set"
-          : check.within_goal() ? "within"
-                                : "outside",
-          check.within_goal() ? (check.goal ? "text tight good" : "text tight faint") : "text bad"},
+         {check.verdict(), !check.agrees() || !check.within_goal() ? "text bad" : "text tight good"},
          {source, "text small"}});
   }
   const std::string text = table.rows.empty() ? "<p>No case of these references has a published value.</p>\n" : table.text();
   return section("published", "OpenFOAM against published values", text);
+}
+
+// --- Spin ------------------------------------------------------------------------------------------------------------------------------
+
+std::string spin_section(const Report& report) {
+  if (report.spinning.empty()) return "";
+  const auto laws = laws_of(report);
+  Table table{.id = "spin-table",
+              .caption = "Torque coefficient about the axis of spin, <i>M</i>\u00b7<i>\u03c9</i>/|<i>\u03c9</i>| / (<i>q A L</i>), in still air with <i>q</i> = "
+                         "\u03c1(<i>\u03c9L</i>)\u00b2/2: OpenFOAM, the shares of pressure and friction in it, and the laws. Only some laws have friction."};
+  table.head = {{{"case", "text"}, {"axis", "text"}, {"OpenFOAM \u00b1 <i>u</i>", "tight"}, {"pressure"}, {"friction"}, {"published"}},
+                std::vector<Cell>(6, Cell{""})};
+  std::vector<std::vector<SpinRow>> by_law;
+  for (const ReportedModel* law : laws) {
+    by_law.push_back(spin_table(report.spinning, predictor(law->choice)));
+    table.head[0].push_back({escape(law->law), "group", 2});
+    for (const char* name : {"law", "error"}) table.head[1].push_back({name});
+  }
+  const auto share = [](const std::optional<double>& part) { return part ? number(100.0 * *part, 0) + "\u2009%" : std::string("\u2013"); };
+  for (std::size_t i = 0; i < by_law.front().size(); ++i) {
+    const SpinRow& row = by_law.front()[i];
+    std::vector<Cell> cells = {{escape(row.case_name), "text tight"}, {row.axis, "text"}};
+    if (!row.cfd) {
+      cells.push_back({escape(row.status + ": " + row.reason), "text bad", 4 + 2 * static_cast<int>(laws.size())});
+      table.rows.push_back(cells);
+      continue;
+    }
+    cells.push_back({with_uncertainty(*row.cfd, row.u, row.discretisation_assessed, 4)});
+    cells.push_back({share(row.pressure_share)});
+    cells.push_back({share(row.friction_share)});
+    cells.push_back({row.published ? number(row.published->value, 4) : ""});
+    for (const auto& rows : by_law) {
+      const bool noise = rows[i].verdict == Verdict::within_noise;
+      const std::string error = number(rows[i].error, 4, true);
+      cells.push_back({number(rows[i].model, 4)});
+      cells.push_back({noise ? "(" + error + ")" : error, noise ? "faint" : ""});
+    }
+    table.rows.push_back(cells);
+  }
+  return section("spin", "Bodies that spin", table.text());
 }
 
 // --- 6. Calibration --------------------------------------------------------------------------------------------------------------------
@@ -628,7 +668,7 @@ std::string provenance_section(const Report& report) {
 
 std::string report_sections(const Report& report, const std::vector<Sweep>& list, const std::map<std::string, nlohmann::json>& specs) {
   return verdict_section(report, list) + note_section(report) + figures_section(report, list, specs) + errors_section(report, list) +
-         published_section(report) + calibration_section(report) + cost_section(report, specs) + provenance_section(report);
+         published_section(report) + spin_section(report) + calibration_section(report) + cost_section(report, specs) + provenance_section(report);
 }
 
 }  // namespace compare

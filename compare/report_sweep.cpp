@@ -74,7 +74,7 @@ std::vector<Sweep> sweeps(const Report& report) {
     if (!channels[family].contains(Channel::lift)) sweep.force = Channel::side, sweep.moment = Channel::yaw;
     const CaseRecord& record = *sweep.cases.front();
     sweep.title = shape_label(record.shape) + " at Re " + reynolds_text(record.reynolds) +
-                  (record.flow_model == "k_omega_sst" ? ", k-\u03c9 SST" : ", " + record.flow_model);
+                  (flow_class(record.flow_model) == "k_omega_sst" ? ", k-\u03c9 SST" : ", " + record.flow_model);
     list.push_back(sweep);
   }
   std::stable_sort(list.begin(), list.end(),

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <ctime>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -580,6 +581,22 @@ Reference merged(Reference into, const std::vector<CaseRecord>& runs) {
     result.patches.push_back(std::move(row.patches));
   }
   return result;
+}
+
+Reference at_rest(const Reference& reference) {
+  Reference kept;
+  for (std::size_t i = 0; i < reference.cases.size(); ++i) {
+    if (reference.cases[i].spins()) continue;
+    kept.cases.push_back(reference.cases[i]);
+    kept.patches.push_back(reference.patches[i]);
+  }
+  return kept;
+}
+
+std::vector<CaseRecord> spinning(const std::vector<CaseRecord>& cases) {
+  std::vector<CaseRecord> kept;
+  std::copy_if(cases.begin(), cases.end(), std::back_inserter(kept), [](const CaseRecord& record) { return record.spins(); });
+  return kept;
 }
 
 }  // namespace compare

@@ -41,4 +41,8 @@ bool write_reference(const std::filesystem::path& path, const Reference& referen
 /// does not replace a usable row of the same key. @throws std::runtime_error  as patch_means() does
 Reference merged(Reference into, const std::vector<CaseRecord>& runs);
 
+/// Bodies at rest in a wind, and bodies that spin, in still air or in a wind: two kinds of case that no table, fit or gate mixes.
+Reference at_rest(const Reference& reference);
+std::vector<CaseRecord> spinning(const std::vector<CaseRecord>& cases);
+
 }  // namespace compare

@@ -50,6 +50,21 @@ std::string markdown(const TextGrid& grid) {
   return text;
 }
 
+std::string csv_line(const std::vector<std::string>& cells) {
+  std::string text;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    if (k > 0) text += ",";
+    if (cells[k].find_first_of(",\"\n") == std::string::npos) {
+      text += cells[k];
+      continue;
+    }
+    text += "\"";
+    for (const char c : cells[k]) text += c == '"' ? "\"\"" : std::string(1, c);
+    text += "\"";
+  }
+  return text + "\n";
+}
+
 std::string number_text(const std::optional<double>& value, const char* format) {
   if (!value) return "";
   std::string text = fmt::format(fmt::runtime(format), *value);

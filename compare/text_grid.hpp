@@ -22,6 +22,8 @@ struct TextGrid {
 std::string aligned(const TextGrid& grid, bool colour);  ///< for a terminal: words to the left, numbers to the right
 std::string markdown(const TextGrid& grid);
 
+std::string csv_line(const std::vector<std::string>& cells);  ///< quoted where needed, with its line end
+
 /// Empty for no value. @param format  of fmt, for one double
 std::string number_text(const std::optional<double>& value, const char* format = "{:.3f}");
 

@@ -10,8 +10,14 @@
 #include <map>
 #include <optional>
 #include <stdexcept>
+#include <utility>
+
+#include "compare/coefficients.hpp"
 
 namespace compare {
+
+using case_record::CaseRecord;
+
 namespace {
 
 using Eigen::VectorXd;
@@ -64,14 +70,12 @@ std::optional<Fit> fit_free_order(const VectorXd& h, const VectorXd& phi, const 
 
 Fit better(const Fit& a, const Fit& b) { return b.deviation < a.deviation ? b : a; }
 
-}  // namespace
-
-GridStudy grid_study(const std::vector<double>& cells, const std::vector<double>& values) {
+/// Cell size and value of each mesh, finest first.
+std::vector<std::pair<double, double>> finest_first(const std::vector<double>& cells, const std::vector<double>& values) {
   const std::size_t n = cells.size();
   if (n != values.size())
     throw std::invalid_argument(fmt::format("{} meshes but {} values; one value per mesh is needed", n, values.size()));
-  if (n < 3) throw std::invalid_argument(fmt::format("{} meshes; the discretisation uncertainty needs at least 3", n));
-  std::vector<std::pair<double, double>> levels;  // cell size and value, finest first
+  std::vector<std::pair<double, double>> levels;
   for (std::size_t i = 0; i < n; ++i) {
     if (!(cells[i] > 0.0) || !std::isfinite(values[i]))
       throw std::invalid_argument(
@@ -85,6 +89,21 @@ GridStudy grid_study(const std::vector<double>& cells, const std::vector<double>
           fmt::format("two meshes have {:.0f} and {:.0f} cells, a ratio of cell sizes of {:.3f}; at least 1.05 is needed: the "
                       "same mesh twice proves nothing",
                       std::pow(levels[i].first, -3), std::pow(levels[i - 1].first, -3), levels[i].first / levels[i - 1].first));
+  return levels;
+}
+
+CaseRecord::Channels load_of(const CaseRecord& record) {
+  CaseRecord::Channels load;
+  load << record.load.force(), record.load.moment();
+  return load;
+}
+
+}  // namespace
+
+GridStudy grid_study(const std::vector<double>& cells, const std::vector<double>& values) {
+  const std::size_t n = cells.size();
+  if (n < 3 && n == values.size()) throw std::invalid_argument(fmt::format("{} meshes; the discretisation uncertainty needs at least 3", n));
+  const auto levels = finest_first(cells, values);
 
   const auto count = static_cast<Eigen::Index>(n);
   VectorXd h(count), phi(count);
@@ -145,46 +164,193 @@ GridStudy grid_study(const std::vector<double>& cells, const std::vector<double>
   return study;
 }
 
-std::string family_name(const std::string& case_name, const std::string& mesh_level) {
-  const std::string part = "_" + mesh_level;
-  const std::size_t at = mesh_level.empty() ? std::string::npos : case_name.rfind(part);
-  if (at == std::string::npos) return case_name;
-  const std::string rest = case_name.substr(at + part.size());  // "_variant", or nothing
-  return rest.empty() || rest.front() == '_' ? case_name.substr(0, at) + rest : case_name;
+GridStudy two_grid_study(const std::vector<double>& cells, const std::vector<double>& values) {
+  constexpr double order = 2.0, safety = 3.0;
+  if (cells.size() != 2 && cells.size() == values.size())
+    throw std::invalid_argument(fmt::format("{} meshes; an estimate with an assumed order takes two", cells.size()));
+  const auto levels = finest_first(cells, values);
+  const double correction = (levels[0].second - levels[1].second) / (std::pow(levels[1].first / levels[0].first, order) - 1.0);
+  return {.uncertainty = safety * std::abs(correction) / 2.0,
+          .extrapolated = levels[0].second + correction,
+          .branch = fmt::format("two levels, order {:g} assumed, safety factor {:g}", order, safety)};
 }
 
-std::vector<CaseFamily> case_families(const std::vector<case_record::CaseRecord>& records) {
+double propagated(const CaseRecord& record, const LoadUncertainty::Channels& u,
+                  const std::function<std::optional<double>(const Eigen::Vector3d&, const Eigen::Vector3d&)>& quantity) {
+  using Eigen::Vector3d;
+  const Vector3d force = record.load.force(), moment = record.load.moment();
+  double sum = 0.0;
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    // A step small against the force leaves the central difference exact to 1e-8, far below any uncertainty.
+    const double step = 1e-4 * coefficient_scales(record)[k];
+    Vector3d df = Vector3d::Zero(), dm = Vector3d::Zero();
+    (k < 3 ? df[k] : dm[k - 3]) = step;
+    const auto above = quantity(force + df, moment + dm), below = quantity(force - df, moment - dm);
+    if (above && below) sum += std::pow((*above - *below) / (2.0 * step) * u[k], 2);
+  }
+  return std::sqrt(sum);
+}
+
+CaseName split_name(const std::string& case_name, const std::string& mesh_level) {
+  const std::string part = "_" + mesh_level;
+  if (mesh_level.empty()) return {case_name, ""};
+  for (std::size_t at = case_name.find(part); at != std::string::npos; at = case_name.find(part, at + 1)) {
+    const std::string rest = case_name.substr(at + part.size());
+    if (rest.empty()) return {case_name.substr(0, at), ""};
+    if (rest.front() == '_') return {case_name.substr(0, at), rest.substr(1)};
+  }
+  return {case_name, ""};
+}
+
+std::string family_name(const std::string& case_name, const std::string& mesh_level) {
+  const CaseName name = split_name(case_name, mesh_level);
+  return name.variant.empty() ? name.stem : name.stem + "_" + name.variant;
+}
+
+std::vector<const CaseRecord*> CaseFamily::usable_levels() const {
+  std::vector<const CaseRecord*> usable;
+  for (const CaseRecord* level : levels)
+    if (case_record::is_usable(level->status)) usable.push_back(level);
+  return usable;
+}
+
+std::optional<CaseRecord::Channels> discretisation_at(const CaseFamily& family, const CaseRecord& level) {
+  if (!family.uncertainty.discretisation_assessed) return std::nullopt;
+  const CaseRecord::Channels away = load_of(level) - load_of(*family.record);
+  return (away.cwiseAbs2() + family.uncertainty.discretisation.cwiseAbs2()).cwiseSqrt();
+}
+
+namespace {
+
+using Channels = CaseRecord::Channels;
+
+/// What a carried uncertainty is relative to, as coefficients: the channel, but no less than a share of the force (of the moment, of a body that
+/// spins in still air), so that a channel near zero is neither exact nor infinitely uncertain. Wakes lean to a side by up to a third of what they
+/// do along the wind, and the arm of the force is about a tenth of the body.
+Channels carrying_scale(const CaseRecord& record) {
+  constexpr double share_of_force = 0.3, share_of_moment = 0.1;
+  Channels c = coefficients(record).values;
+  const double size = std::max(c.head<3>().norm(), c.tail<3>().norm());
+  c.head<3>() = c.head<3>().cwiseAbs().cwiseMax(share_of_force * size);
+  c.tail<3>() = c.tail<3>().cwiseAbs().cwiseMax(share_of_moment * size);
+  return c;
+}
+
+/// u_disc from the usable levels, every channel with the branch that found it.
+void study_levels(CaseFamily& family, GridStudy (*study)(const std::vector<double>&, const std::vector<double>&)) {
+  LoadUncertainty& u = family.uncertainty;
+  u.branches.clear();
+  try {
+    for (Eigen::Index channel = 0; channel < 6; ++channel) {
+      std::vector<double> cells, values;
+      for (const CaseRecord* level : family.usable_levels()) cells.push_back(level->cells), values.push_back(load_of(*level)[channel]);
+      const GridStudy found = study(cells, values);
+      u.discretisation[channel] = found.uncertainty;
+      u.branches.push_back(found.branch);
+    }
+    u.discretisation_assessed = true;
+  } catch (const std::invalid_argument& refusal) {
+    u = {};
+    u.branches = {std::string("refused: ") + refusal.what()};  // stays "not assessed", and the tables say why
+  }
+}
+
+/// What a representative family says about the mesh error of a case like it, on a mesh of the same level.
+struct Carried {
+  const CaseFamily* from = nullptr;
+  double force = 0.0, moment = 0.0;  ///< u relative to carrying_scale(): largest of the three channels
+};
+
+std::optional<Carried> carried_from(const CaseFamily& family, const std::string& level) {
+  for (const CaseRecord* at : family.usable_levels()) {
+    if (at->mesh_level != level) continue;
+    const Channels relative = discretisation_at(family, *at)->cwiseQuotient(coefficient_scales(*at)).cwiseQuotient(carrying_scale(*family.record));
+    // A force off by some per cent has a moment off by no less; where symmetry makes the moment zero it would not show. In still air the force is nothing.
+    const double force = relative.head<3>().maxCoeff(), moment = relative.tail<3>().maxCoeff();
+    return Carried{&family, force, at->still_air ? moment : std::max(force, moment)};
+  }
+  return std::nullopt;
+}
+
+/// Where the wind comes from, or the axis of a spin in still air: body frame, unit length.
+Eigen::Vector3d exposure(const CaseRecord& record) {
+  return record.pose.rotation().transpose() * (record.still_air ? record.angular_velocity.normalized() : Eigen::Vector3d::UnitX());
+}
+
+std::optional<Carried> nearest_representative(const CaseFamily& family, const std::vector<const CaseFamily*>& representatives) {
+  const CaseRecord& record = *family.record;
+  std::optional<Carried> best;
+  double nearest = -1.0;  // cosine of the angle between exposures
+  for (const CaseFamily* candidate : representatives) {
+    const CaseRecord& other = *candidate->record;
+    if (dragcore::kind(other.shape) != dragcore::kind(record.shape) || other.flow_model != record.flow_model ||
+        other.still_air != record.still_air || other.spins() != record.spins())
+      continue;
+    const auto carried = carried_from(*candidate, record.mesh_level);
+    if (!carried) continue;
+    constexpr double same = 1e-6;  // a pose half way between two takes the worse
+    const double cosine = exposure(record).dot(exposure(other));
+    if (best && (cosine < nearest - same || (cosine < nearest + same && carried->force <= best->force))) continue;
+    best = carried;
+    nearest = cosine;
+  }
+  return best;
+}
+
+/// Fewer than three levels: the larger of what two levels show and what a representative says.
+void assess_by_others(CaseFamily& family, const std::vector<const CaseFamily*>& representatives) {
+  LoadUncertainty& u = family.uncertainty;
+  const auto carried = nearest_representative(family, representatives);
+  if (!carried) {
+    if (u.branches.empty()) u.branches = {"not assessed: one level, and no family of three levels to carry from"};
+    return;
+  }
+  const std::string own = u.branches.empty() ? "" : u.branches.front();  // of two levels, or why they were refused
+  const Channels scale = carrying_scale(*family.record);
+  std::vector<std::string> branches;
+  for (Eigen::Index channel = 0; channel < 6; ++channel) {
+    const double ratio = channel < 3 ? carried->force : carried->moment;
+    const double value = ratio * scale[channel] * coefficient_scales(*family.record)[channel];
+    const std::string text = fmt::format("carried from {} {}: {:.2g} %", carried->from->name, family.record->mesh_level, 100.0 * ratio);
+    if (u.discretisation_assessed && u.discretisation[channel] >= value) {
+      branches.push_back(own + ", more than " + text);
+      continue;
+    }
+    u.discretisation[channel] = value;
+    branches.push_back(own.empty() ? text : own + (u.discretisation_assessed ? ", less than " : "; ") + text);
+  }
+  u.branches = std::move(branches);
+  u.discretisation_assessed = true;
+}
+
+}  // namespace
+
+std::vector<CaseFamily> case_families(const std::vector<CaseRecord>& records) {
   std::map<std::string, CaseFamily> families;
-  for (const auto& record : records) families[family_name(record.name, record.mesh_level)].levels.push_back(&record);
+  for (const CaseRecord& record : records) families[family_name(record.name, record.mesh_level)].levels.push_back(&record);
   std::vector<CaseFamily> list;
   for (auto& [name, family] : families) {
+    family.name = name;
     std::stable_sort(family.levels.begin(), family.levels.end(), [](const auto* a, const auto* b) { return a->cells < b->cells; });
-    std::vector<const case_record::CaseRecord*> usable;
-    for (const auto* level : family.levels)
-      if (case_record::is_usable(level->status)) usable.push_back(level);
+    const auto usable = family.usable_levels();
     family.record = usable.empty() ? family.levels.back() : usable.back();
-
-    LoadUncertainty& u = family.uncertainty;
-    if (usable.size() >= 3) try {
-        std::vector<double> cells;
-        for (const auto* level : usable) cells.push_back(level->cells);
-        for (Eigen::Index channel = 0; channel < 6; ++channel) {
-          std::vector<double> values;
-          for (const auto* level : usable) values.push_back(channel < 3 ? level->load.force()[channel] : level->load.moment()[channel - 3]);
-          const GridStudy study = grid_study(cells, values);
-          u.discretisation[channel] = study.uncertainty;
-          u.branches.push_back(study.branch);
-        }
-        u.discretisation_assessed = true;
-      } catch (const std::invalid_argument& refusal) {
-        u = {};
-        u.branches = {std::string("refused: ") + refusal.what()};  // stays "not assessed", and the tables say why
-      }
-    if (!usable.empty())
-      u.total = (u.discretisation.array().square() + family.record->u_iteration.array().square() +
-                 family.record->u_statistical.array().square() + family.record->u_null.array().square())
-                    .sqrt();
+    if (usable.size() >= 2) study_levels(family, usable.size() == 2 ? two_grid_study : grid_study);
     list.push_back(std::move(family));
+  }
+
+  std::vector<const CaseFamily*> representatives;
+  for (const CaseFamily& family : list)
+    if (family.uncertainty.discretisation_assessed && family.usable_levels().size() >= 3 &&
+        split_name(family.record->name, family.record->mesh_level).variant.empty())
+      representatives.push_back(&family);
+  for (CaseFamily& family : list) {
+    if (!case_record::is_usable(family.record->status)) continue;
+    LoadUncertainty& u = family.uncertainty;
+    if (family.usable_levels().size() < 3 || !u.discretisation_assessed) assess_by_others(family, representatives);
+    u.numerical = (u.discretisation.cwiseAbs2() + family.record->u_iteration.cwiseAbs2() + family.record->u_statistical.cwiseAbs2() +
+                   family.record->u_null.cwiseAbs2())
+                      .cwiseSqrt();
+    u.total = u.numerical;
   }
   return list;
 }

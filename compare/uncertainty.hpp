@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,25 +26,56 @@ struct GridStudy {
 ///                                (the same mesh twice would fake convergence)
 GridStudy grid_study(const std::vector<double>& cells, const std::vector<double>& values);
 
+/// Generalised Richardson extrapolation from two meshes, which show no order: that of the scheme, 2, is assumed, and the safety factor 3 gives
+/// the 95 % figure (Roache 1998, sec. 5.9), so that u = 3/2 |phi_1 - phi_2| / (r^2 - 1) with r the ratio of cell sizes.
+/// @throws std::invalid_argument  as grid_study(), for anything but two meshes
+GridStudy two_grid_study(const std::vector<double>& cells, const std::vector<double>& values);
+
 /// Standard uncertainty of the mean load of a case, SI channels.
 struct LoadUncertainty {
-  case_record::CaseRecord::Channels total = case_record::CaseRecord::Channels::Zero();  ///< root sum square of all parts that are known
-  case_record::CaseRecord::Channels discretisation = case_record::CaseRecord::Channels::Zero();
+  using Channels = case_record::CaseRecord::Channels;
+  Channels total = Channels::Zero();      ///< root sum square of `numerical` and `method`
+  Channels numerical = Channels::Zero();  ///< of discretisation, iteration, statistics and symmetry, as far as known
+  Channels method = Channels::Zero();     ///< of the equations solved: cases_of_record() adds it
+  Channels discretisation = Channels::Zero();
   bool discretisation_assessed = false;
-  std::vector<std::string> branches;  ///< one per channel when assessed; or why the meshes were refused
+  std::vector<std::string> branches;  ///< one per channel when assessed, or one that says why not
 };
+
+/// Standard uncertainty of a quantity that follows from force [N] and moment [N m]: linear propagation, the six channels taken as independent.
+/// @param quantity  may be undefined near the load of the case: a channel in which it is counts as none
+double propagated(const case_record::CaseRecord& record, const LoadUncertainty::Channels& u,
+                  const std::function<std::optional<double>(const Eigen::Vector3d& force, const Eigen::Vector3d& moment)>& quantity);
 
 /// A case at all mesh levels that were solved. `levels` ascend in cells; the last usable one is the case of record.
 struct CaseFamily {
+  std::string name;                                 ///< family_name() of its cases
   const case_record::CaseRecord* record = nullptr;  ///< finest usable level; the finest of all when none is usable
   std::vector<const case_record::CaseRecord*> levels;
   LoadUncertainty uncertainty;
+
+  std::vector<const case_record::CaseRecord*> usable_levels() const;
 };
 
-/// The name of a case without its mesh level: "cube_re-1e5_medium" and "cube_re-1e5_fine" are one family.
+/// A case name taken apart at its mesh level: "plate_re-1e5_medium_upwind" is the case "plate_re-1e5" with the variant "upwind".
+struct CaseName {
+  std::string stem, variant;
+};
+CaseName split_name(const std::string& case_name, const std::string& mesh_level);
+
+/// The name of a case without its mesh level: "cube_re-1e5_medium" and "cube_re-1e5_fine" are one family. A variant stays in the name.
 std::string family_name(const std::string& case_name, const std::string& mesh_level);
 
+/// u_disc [N, N m] of any level of a family: its distance from the finest, and the u of that. Empty where u_disc of the family is not assessed.
+std::optional<LoadUncertainty::Channels> discretisation_at(const CaseFamily& family, const case_record::CaseRecord& level);
+
 /// Groups records that differ in nothing but the mesh level, in order of name. Pointers into `records`.
+///
+/// The discretisation uncertainty comes from grid_study() where three or more levels are usable. Elsewhere it is carried from the
+/// representative family (three levels, same kind of shape, flow model and spin, no variant) whose wind, or axis of spin, is nearest in the
+/// body's frame: the distance of its mesh of the same level from its finest and the u of the finest, relative to
+/// max(|C| of the channel, 0.3 of the force, or 0.1 for a moment); and two usable levels give two_grid_study(), never less than what is carried.
+/// docs/conventions.md, "Uncertainty".
 std::vector<CaseFamily> case_families(const std::vector<case_record::CaseRecord>& records);
 
 }  // namespace compare

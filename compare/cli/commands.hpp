@@ -46,6 +46,8 @@ void add_run(CLI::App& app, Context& context);
 void add_explain(CLI::App& app, Context& context);
 void add_collect(CLI::App& app, Context& context);
 void add_compare(CLI::App& app, Context& context);
+void add_truth(CLI::App& app, Context& context);
+void add_variants(CLI::App& app, Context& context);
 void add_calibrate(CLI::App& app, Context& context);
 void add_cost(CLI::App& app, Context& context);
 void add_gate(CLI::App& app, Context& context);
@@ -75,9 +77,11 @@ struct SourceOptions {
 };
 void add_source_options(CLI::App& command, SourceOptions& options);
 
-/// References in order of name, and the names of the cases that the matrix asks for and no record answers.
+/// References in order of name, bodies at rest apart from those that spin, and the names of the cases that the matrix asks for and no record
+/// answers.
 struct Sources {
-  compare::Reference reference;
+  compare::Reference reference;  ///< bodies at rest
+  std::vector<compare::CaseRecord> spinning;
   std::vector<std::string> missing;
 };
 Sources load(const SourceOptions& options);

@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdlib>
 #include <iostream>
 #include <memory>
@@ -10,6 +11,7 @@
 #include "compare/cli/commands.hpp"
 #include "compare/error_table.hpp"
 #include "compare/note_table.hpp"
+#include "compare/spin_table.hpp"
 
 namespace cli {
 
@@ -40,9 +42,11 @@ void add_compare(CLI::App& app, Context& context) {
     const compare::ErrorTable table = compare::compare_with(cases, model, options->model.label(), sources.missing, by);
     const std::vector<compare::NamedModel> laws = {{"note", dragcore::Model{}}, {"consistent", dragcore::Model{.law = dragcore::consistent_law()}}, {"by class", compare::ModelChoice::of_class()}};
     const auto note = compare::note_table(cases, laws);
+    const auto spin = compare::spin_table(sources.spinning, model);
     if (format == compare::Format::json) {
       nlohmann::json document = compare::to_json(table);
       document["note_table"] = compare::to_json(note, laws);
+      document["spin"] = compare::to_json(spin);
       std::cout << document.dump(2) << "\n";
     } else {
       const bool colour = ::isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR");
@@ -50,15 +54,17 @@ void add_compare(CLI::App& app, Context& context) {
       if (format != compare::Format::csv)
         std::cout << (format == compare::Format::markdown ? "\n### " : "\n") << "C_D of the note's own table, each on its frontal area\n"
                   << (format == compare::Format::markdown ? "\n" : "") << compare::render(note, laws, format);
+      if (!spin.empty()) std::cout << "\n" << compare::render(spin, options->model.label(), format, colour);
     }
-    if (table.compared == 0) {
+    const bool any_spin = std::any_of(spin.begin(), spin.end(), [](const compare::SpinRow& row) { return row.cfd.has_value(); });
+    if (table.compared == 0 && !any_spin) {
       std::cerr << "dragval: nothing was compared: no usable case in "
                 << (options->source.cache.empty() ? options->source.store : options->source.cache)
                 << (options->source.matrix.empty() ? "" : " for matrix " + options->source.matrix) << "; run it: dragval run quick\n";
       context.exit_code = exit_code::nothing_compared;
       return;
     }
-    if (options->output.empty()) return;
+    if (options->output.empty() || table.rows.empty()) return;
     if (const auto folder = std::filesystem::path(options->output).parent_path(); !folder.empty())
       std::filesystem::create_directories(folder);
     compare::write_comparison(options->output, {table});

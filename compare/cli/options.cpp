@@ -52,31 +52,30 @@ void add_source_options(CLI::App& command, SourceOptions& options) {
 }
 
 Sources load(const SourceOptions& options) {
+  compare::Reference all = options.cache.empty() ? compare::read_reference(options.store)
+                                                 : compare::merged({}, compare::read_runs(std::filesystem::path(options.cache) / "runs"));
   Sources sources;
-  if (options.cache.empty()) {
-    sources.reference = compare::read_reference(options.store);
-  } else {
-    sources.reference = compare::merged({}, compare::read_runs(std::filesystem::path(options.cache) / "runs"));
+  if (!options.matrix.empty()) {
+    // By families: where a finer mesh of a case of the matrix is known, it counts too.
+    std::map<std::string, std::string> wanted;
+    for (const cfd_cases::CaseSpec& spec : cfd_cases::load_matrix(options.matrix).cases)
+      wanted[compare::family_name(spec.name, spec.mesh_level)] = spec.name;
+    compare::Reference kept;
+    std::set<std::string> found;
+    for (std::size_t i = 0; i < all.cases.size(); ++i) {
+      const compare::CaseRecord& record = all.cases[i];
+      const std::string family = compare::family_name(record.name, record.mesh_level);
+      if (!wanted.contains(family)) continue;
+      found.insert(family);
+      kept.cases.push_back(record);
+      kept.patches.push_back(all.patches[i]);
+    }
+    for (const auto& [family, name] : wanted)
+      if (!found.contains(family)) sources.missing.push_back(name);
+    all = std::move(kept);
   }
-  if (options.matrix.empty()) return sources;
-
-  // By families: where a finer mesh of a case of the matrix is known, it counts too.
-  std::map<std::string, std::string> wanted;
-  for (const cfd_cases::CaseSpec& spec : cfd_cases::load_matrix(options.matrix).cases)
-    wanted[compare::family_name(spec.name, spec.mesh_level)] = spec.name;
-  compare::Reference kept;
-  std::set<std::string> found;
-  for (std::size_t i = 0; i < sources.reference.cases.size(); ++i) {
-    const compare::CaseRecord& record = sources.reference.cases[i];
-    const std::string family = compare::family_name(record.name, record.mesh_level);
-    if (!wanted.contains(family)) continue;
-    found.insert(family);
-    kept.cases.push_back(record);
-    kept.patches.push_back(sources.reference.patches[i]);
-  }
-  for (const auto& [family, name] : wanted)
-    if (!found.contains(family)) sources.missing.push_back(name);
-  sources.reference = std::move(kept);
+  sources.reference = compare::at_rest(all);
+  sources.spinning = compare::spinning(all.cases);
   return sources;
 }
 

@@ -100,6 +100,27 @@ inline std::vector<CaseRecord> quick_tier() {
   return records;
 }
 
+/// A body that spins in still air, with this coefficient of torque about its axis, a quarter of it by friction.
+inline CaseRecord spinning(const std::string& stem, const dragcore::Shape& shape, const Eigen::Vector3d& omega_wind, double torque_coefficient,
+                           double reynolds, const std::string& level = "medium", int cells = 12000) {
+  CaseRecord r = record(stem, shape, {}, level, cells);
+  r.still_air = true;
+  r.angular_velocity = omega_wind;
+  r.speed = omega_wind.norm() * dragcore::properties(shape).reference_length;
+  r.reynolds = reynolds;
+  r.flow_model = "laminar";
+  r.held_out = true;
+  r.load = {};
+  const Eigen::Vector3d moment = torque_coefficient * compare::coefficient_scales(r)[3] * omega_wind.normalized();
+  r.load.moment_pressure = 0.75 * moment;
+  r.load.moment_viscous = 0.25 * moment;
+  r.load_last = r.load;
+  r.surface = {};  // of another flow
+  r.u_iteration.setZero();
+  r.u_statistical.setZero();
+  return r;
+}
+
 /// A folder of its own for one test, removed at its end.
 class Folder {
  public:

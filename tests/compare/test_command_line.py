@@ -21,7 +21,7 @@ with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
     subprocess.run([writer, folder], check=True)
     collect = ("collect", "--cache", "cache", "--into", "results/reference.h5")
-    assert "12 cases" in run(*collect, code=0).stdout
+    assert "13 cases" in run(*collect, code=0).stdout
     before = open("results/reference.h5", "rb").read()
     assert "nothing changed" in run(*collect, code=0).stdout
     assert open("results/reference.h5", "rb").read() == before
@@ -40,8 +40,12 @@ with tempfile.TemporaryDirectory() as folder:
     assert os.path.exists("results/comparison.h5")
     for format in ("md", "csv", "json"):
         assert run("compare", "--format", format, "--output", "", code=0).stdout
-    rows = json.loads(run("compare", "--json", "--law", "consistent", "--cache", "cache", code=0).stdout)["rows"]
+    document = json.loads(run("compare", "--json", "--law", "consistent", "--cache", "cache", code=0).stdout)
+    rows = document["rows"]
     assert {row["case"] for row in rows if row["error"] is not None} and len({row["case"] for row in rows}) == 12
+    # A body that spins has a table of its own and no row anywhere else.
+    assert [row["case"] for row in document["spin"]] == ["sphere_spin-z_re-4-laminar_medium"]
+    assert "spin" not in json.dumps(rows) and "Bodies that spin" in table.stdout
 
     # A baseline is made only on request, and with a reason.
     assert "baseline accept" in run("gate", code=2).stderr

@@ -78,7 +78,8 @@ TEST_CASE("a model that is the reference has no error in any channel, and nothin
 }
 
 TEST_CASE("an error is resolved beyond twice the uncertainty of the reference", "[compare][limit]") {
-  const auto records = sample::quick_tier();
+  auto records = sample::quick_tier();
+  for (auto& record : records) record.flow_model = "laminar";  // no part of the method in u
   // u of the force is 0.005 N (3-4-5), q A of the cube 2.4 N.
   const double u = 0.005 / 2.4;
   const auto verdict = [&](double error) {
@@ -169,7 +170,7 @@ TEST_CASE("tables are plain text without colour and coloured with it", "[compare
   CHECK(plain.find('\x1b') == std::string::npos);
   CHECK(compare::render(table, compare::Format::table, true).find('\x1b') != std::string::npos);
   CHECK_THAT(plain, Contains("incidence 30°") && Contains("x_cp") && Contains("*"));
-  CHECK_THAT(plain, Contains("OUTSIDE 6 %") || Contains("within 6 %"));
+  CHECK_THAT(plain, Contains("agrees") || Contains("differs"));
   CHECK(plain.find("-0.000") == std::string::npos);
 }
 

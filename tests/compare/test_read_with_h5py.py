@@ -18,7 +18,7 @@ with tempfile.TemporaryDirectory() as folder:
     reader = blocks[0].replace("results/reference.h5", f"{folder}/reference.h5")
     printed = subprocess.run(["/usr/bin/python3", "-c", reader], check=True, capture_output=True, text=True).stdout
     rows = printed.strip().splitlines()
-    assert len(rows) == 12, f"{len(rows)} rows printed, 12 cases are in the sample:\n{printed}"
+    assert len(rows) == 13, f"{len(rows)} rows printed, 13 cases are in the sample:\n{printed}"
     # The face of the cube: C_p = 2 c^2 - 0.5 in front, -0.5 behind, shear 0.01 on all six faces: C_D = 2 + 0.06.
     cube = next(row for row in rows if row.startswith("cube_yaw-000"))
     drag = float(re.search(r"C_D\s+(\S+)", cube).group(1))

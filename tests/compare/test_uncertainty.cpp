@@ -102,20 +102,134 @@ TEST_CASE("the finest usable mesh is the case of record and carries all parts of
   CHECK(u.total[0] == Approx(std::sqrt(u.discretisation[0] * u.discretisation[0] + 0.005 * 0.005)).epsilon(1e-12));  // 3-4-5
 }
 
-TEST_CASE("with fewer than three levels the part of the mesh is marked as not assessed, with two equal meshes as refused",
-          "[compare][limit]") {
-  std::vector<sample::CaseRecord> records = {sample::record("box_re-1e5", dragcore::Box{}, {}, "medium", 12000),
-                                             sample::record("box_re-1e5", dragcore::Box{}, {}, "fine", 36000)};
-  CHECK_FALSE(compare::case_families(records)[0].uncertainty.discretisation_assessed);
-  records.push_back(sample::record("box_re-1e5", dragcore::Box{}, {}, "finest", 36000));
-  const auto family = compare::case_families(records)[0];
-  CHECK_FALSE(family.uncertainty.discretisation_assessed);
-  REQUIRE(family.uncertainty.branches.size() == 1);
-  CHECK_THAT(family.uncertainty.branches[0], Contains("refused") && Contains("36000"));
+TEST_CASE("two meshes of a second-order method give the limit and three times the error on the finer", "[compare][analytic]") {
+  const auto [cells, values] = series(1.1, 0.03, 2.0, {1.0, 1.4});
+  const auto study = compare::two_grid_study(cells, values);
+  CHECK(study.extrapolated == Approx(1.1).epsilon(1e-12));  // exact but for rounding: the assumed order is the true one
+  CHECK(2.0 * study.uncertainty == Approx(3.0 * 0.03).epsilon(1e-10));
+  CHECK_THAT(study.branch, Contains("two levels") && Contains("order 2") && Contains("safety factor 3"));
+  CHECK(compare::two_grid_study({cells[1], cells[0]}, {values[1], values[0]}).uncertainty == study.uncertainty);
+}
+
+TEST_CASE("two estimates from the same mesh, or from one or three, are refused", "[compare][hard]") {
+  CHECK_THROWS_WITH(compare::two_grid_study({1e5, 1e5}, {1.0, 1.1}), Contains("same mesh twice"));
+  CHECK_THROWS_WITH(compare::two_grid_study({1e5}, {1.0}), Contains("takes two"));
+  CHECK_THROWS_WITH(compare::two_grid_study({1e5, 3e4, 1e4}, {1.0, 1.1, 1.2}), Contains("takes two"));
+  CHECK_THROWS_WITH(compare::two_grid_study({1e5, 3e4}, {1.0, NAN}), Contains("finite"));
+}
+
+namespace {
+
+/// A cube whose force is this vector of coefficients, without moment.
+sample::CaseRecord cube(double yaw_deg, const std::string& level, int cells, const Eigen::Vector3d& force) {
+  auto record = sample::record("cube_yaw-" + std::to_string(static_cast<int>(yaw_deg)) + "_re-1e5", dragcore::Box{}, {.yaw = yaw_deg * sample::deg}, level, cells);
+  record.load = {};
+  record.load.force_pressure = force * compare::coefficient_scales(record)[0];
+  return record;
+}
+
+/// Three meshes of order one, whose C_D is 1.2 + 0.04 h.
+std::vector<sample::CaseRecord> three_cubes_at_45() {
+  return {cube(45, "coarse", 12500, {1.28, 0.0, 0.0}), cube(45, "medium", 100000, {1.24, 0.0, 0.0}), cube(45, "fine", 800000, {1.22, 0.0, 0.0})};
+}
+
+const compare::CaseFamily& family_at(const std::vector<compare::CaseFamily>& families, const std::string& name) {
+  for (const auto& family : families)
+    if (family.name == name) return family;
+  throw std::runtime_error("no family " + name);
+}
+
+double part_of_mesh(const compare::CaseFamily& family, int channel) {
+  return family.uncertainty.discretisation[channel] / compare::coefficient_scales(*family.record)[channel];
+}
+
+}  // namespace
+
+TEST_CASE("a case on one mesh carries the error that its level has in the nearest family of three", "[compare][analytic]") {
+  auto records = three_cubes_at_45();
+  records.push_back(cube(30, "medium", 90000, {0.9, 0.3, 0.0}));
+  const auto families = compare::case_families(records);
+  const auto& family = family_at(families, "cube_yaw-30_re-1e5");
+  REQUIRE(family.uncertainty.discretisation_assessed);
+  // Finest of the three: order 1, error 0.02, safety factor 3. Its medium mesh is another 0.02 away.
+  const double fine = 3.0 * 0.02 / 2.0, ratio = std::hypot(0.02, fine) / 1.22;
+  CHECK(part_of_mesh(family, 0) == Approx(ratio * 0.9).epsilon(1e-3));  // Brent's accuracy in the order
+  CHECK(part_of_mesh(family, 1) == Approx(ratio * 0.3).epsilon(1e-3));
+  const double force = std::hypot(0.9, 0.3);  // a share of it where a channel is nearly zero
+  CHECK(part_of_mesh(family, 2) == Approx(ratio * 0.3 * force).epsilon(1e-3));
+  CHECK(part_of_mesh(family, 5) == Approx(ratio * 0.1 * force).epsilon(1e-3));  // and no moment is surer than the force
+  CHECK_THAT(family.uncertainty.branches[0], Contains("carried from cube_yaw-45_re-1e5 medium: 3 %"));
+}
+
+TEST_CASE("a family of three levels does not change when others carry from it", "[compare][invariance]") {
+  const auto alone = three_cubes_at_45();
+  auto records = alone;
+  records.push_back(cube(30, "medium", 90000, {0.9, 0.3, 0.0}));
+  const auto before = compare::case_families(alone), after = compare::case_families(records);
+  const auto &a = before[0].uncertainty, &b = family_at(after, "cube_yaw-45_re-1e5").uncertainty;
+  CHECK(a.discretisation == b.discretisation);
+  CHECK(a.branches == b.branches);
+}
+
+TEST_CASE("two levels count where they differ by more than what is carried, and never less", "[compare][limit]") {
+  const auto found = [](double coarse) {
+    auto records = three_cubes_at_45();
+    records.push_back(cube(0, "coarse", 12500, {coarse, 0.0, 0.0}));
+    records.push_back(cube(0, "medium", 100000, {1.0, 0.0, 0.0}));
+    const auto families = compare::case_families(records);
+    return std::pair(part_of_mesh(family_at(families, "cube_yaw-0_re-1e5"), 0), family_at(families, "cube_yaw-0_re-1e5").uncertainty.branches[0]);
+  };
+  const double carried = std::hypot(0.02, 0.03) / 1.22;
+  const auto [small, small_branch] = found(1.01);  // ratio of sizes 2: u = 3/2 * 0.01 / 3
+  CHECK(small == Approx(carried).epsilon(1e-3));
+  CHECK_THAT(small_branch, Contains("two levels") && Contains("less than carried"));
+  const auto [large, large_branch] = found(1.30);
+  CHECK(large == Approx(1.5 * 0.30 / 3.0).epsilon(1e-10));
+  CHECK_THAT(large_branch, Contains("two levels") && Contains("more than carried"));
+}
+
+TEST_CASE("nothing is carried between flow models, kinds of shape, or levels that were not solved", "[compare][limit]") {
+  auto records = three_cubes_at_45();
+  auto laminar = cube(10, "medium", 90000, {1.0, 0.0, 0.0});
+  laminar.flow_model = "laminar";
+  auto box = sample::record("box_re-1e5", dragcore::Box{.length = 2.0}, {}, "medium", 90000);
+  records.insert(records.end(), {laminar, box, cube(20, "finest", 90000, {1.0, 0.0, 0.0})});
+  const auto families = compare::case_families(records);
+  for (const char* name : {"cube_yaw-10_re-1e5", "box_re-1e5", "cube_yaw-20_re-1e5"}) {
+    const auto& u = family_at(families, name).uncertainty;
+    CHECK_FALSE(u.discretisation_assessed);
+    REQUIRE(u.branches.size() == 1);
+    CHECK_THAT(u.branches[0], Contains("not assessed"));
+  }
+}
+
+TEST_CASE("a variant of the numerics neither joins the ordinary family nor lends its mesh error", "[compare][limit]") {
+  auto records = three_cubes_at_45();
+  for (auto& record : records) record.name += "_upwind";
+  records.push_back(cube(45, "medium", 90000, {1.0, 0.0, 0.0}));
+  const auto families = compare::case_families(records);
+  REQUIRE(families.size() == 2);
+  CHECK(family_at(families, "cube_yaw-45_re-1e5_upwind").levels.size() == 3);
+  CHECK_FALSE(family_at(families, "cube_yaw-45_re-1e5").uncertainty.discretisation_assessed);
+}
+
+TEST_CASE("meshes that are refused leave the part of the mesh to what can be carried, or not assessed", "[compare][limit]") {
+  std::vector<sample::CaseRecord> records = {cube(0, "medium", 12000, {1.0, 0.0, 0.0}), cube(0, "fine", 12000, {1.0, 0.0, 0.0})};
+  const auto alone = compare::case_families(records);
+  CHECK_FALSE(alone[0].uncertainty.discretisation_assessed);
+  REQUIRE(alone[0].uncertainty.branches.size() == 1);
+  CHECK_THAT(alone[0].uncertainty.branches[0], Contains("refused") && Contains("12000"));
+  for (const auto& record : three_cubes_at_45()) records.push_back(record);
+  const auto families = compare::case_families(records);
+  const auto& u = family_at(families, "cube_yaw-0_re-1e5").uncertainty;
+  CHECK(u.discretisation_assessed);
+  CHECK_THAT(u.branches[0], Contains("refused") && Contains("carried from"));
 }
 
 TEST_CASE("mesh levels are taken off case names, variants are not", "[compare][analytic]") {
   CHECK(compare::family_name("box_yaw-045_re-1e5_medium", "medium") == "box_yaw-045_re-1e5");
   CHECK(compare::family_name("box_yaw-045_re-1e5_medium_limited", "medium") == "box_yaw-045_re-1e5_limited");
   CHECK(compare::family_name("box_mediumish", "medium") == "box_mediumish");
+  CHECK(compare::family_name("box_re-1e5_medium_from_medium", "medium") == "box_re-1e5_from_medium");
+  CHECK(compare::split_name("box_re-1e5_medium_seed-2", "medium").variant == "seed-2");
 }

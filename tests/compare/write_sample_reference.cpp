@@ -10,7 +10,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   const std::filesystem::path folder = argv[1];
-  const auto records = sample::quick_tier();
+  auto records = sample::quick_tier();
+  records.push_back(sample::spinning("sphere_spin-z_re-4-laminar", dragcore::Sphere{}, {0.0, 0.0, 2.0}, -2.0, 4));
   std::filesystem::create_directories(folder / "cache" / "runs");
   for (const auto& record : records) compare::write_run(folder / "cache" / "runs" / (record.key + ".h5"), record);
   compare::write_run(folder / "run.h5", records.front());

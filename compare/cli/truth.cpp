@@ -1,0 +1,40 @@
+#include <fmt/format.h>  // before any header of compare: fmt has a function of that name
+
+#include "compare/truth_table.hpp"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <iostream>
+#include <memory>
+
+#include "compare/cli/commands.hpp"
+
+namespace cli {
+
+void add_truth(CLI::App& app, Context& context) {
+  struct Options {
+    SourceOptions source;
+    std::string format = "table";
+    bool json = false;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("truth", "Hold the CFD against published values: forces, angles, torque of spin");
+  command->footer("Every method that solved a pose has its row. Exit code 5 when nothing was published about any case.\nExample: dragval truth --format md");
+  add_source_options(*command, options->source);
+  command->add_option("--format", options->format, "table, md, csv or json")->capture_default_str();
+  command->add_flag("--json", options->json, "The same as --format json");
+  command->callback([options, &context] {
+    const compare::Format format = compare::format_from(options->json ? "json" : options->format);
+    const Sources sources = load(options->source);
+    auto checks = compare::published_checks(sources.reference.cases, true);
+    for (compare::PublishedCheck& check : compare::published_checks(sources.spinning, true)) checks.push_back(std::move(check));
+    std::cout << compare::render(checks, format, ::isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR"));
+    if (!checks.empty()) return;
+    std::cerr << "dragval: nothing was compared: no usable case of these references has a published value\n";
+    context.exit_code = exit_code::nothing_compared;
+  });
+}
+
+}  // namespace cli
