@@ -96,8 +96,8 @@ std::string time_left(double seconds) {
                           : fmt::format("{:.0f} min left", seconds / 60.0);
 }
 
-std::vector<PlannedCase> plan(const Matrix& matrix, const Tools& tools, const Cache& cache, const RunStore& store,
-                              const std::string& only, const std::map<std::string, CaseRecord>& known) {
+std::vector<PlannedCase> plan(const Matrix& matrix, const Tools& tools, const Cache& cache, const RunStore& store, const std::string& only,
+                              const std::map<std::string, CaseRecord>& known) {
   const CostModel model = read_cost_model(cost_model_file());
   std::vector<PlannedCase> cases;
   for (const CaseSpec& spec : matrix.cases) {
@@ -183,7 +183,9 @@ CampaignResult run_campaign(const std::vector<PlannedCase>& cases, const Tools& 
     if (fs::exists(target)) {
       record = store.read(target);
       const bool the_old_one = planned.cached && record->finished == planned.cached->finished;
-      if (the_old_one || (planned.fields_missing && !fs::exists(cache.fields(key))) || (options.retry_failed && !case_record::is_usable(record->status))) record.reset();
+      if (the_old_one || (planned.fields_missing && !fs::exists(cache.fields(key))) ||
+          (options.retry_failed && !case_record::is_usable(record->status)))
+        record.reset();
     }
     const bool solved_here = !record;
     if (solved_here) {
@@ -204,7 +206,8 @@ CampaignResult run_campaign(const std::vector<PlannedCase>& cases, const Tools& 
       {
         const std::lock_guard guard(mutex);
         if (cancel || failure || queue.empty()) return;
-        const auto ready = std::find_if(queue.begin(), queue.end(), [&](const auto* planned) { return !open.contains(planned->identity.start_key); });
+        const auto ready =
+            std::find_if(queue.begin(), queue.end(), [&](const auto* planned) { return !open.contains(planned->identity.start_key); });
         if (ready != queue.end()) {
           next = *ready;
           queue.erase(ready);

@@ -35,9 +35,7 @@ struct PlannedCase {
   double predicted_cpu_s = 0.0;         ///< of all stages, here
   double predicted_memory_bytes = 0.0;  ///< largest resident set, on one rank
 
-  bool to_solve(bool retry_failed) const {
-    return !cached || fields_missing || (retry_failed && !case_record::is_usable(cached->status));
-  }
+  bool to_solve(bool retry_failed) const { return !cached || fields_missing || (retry_failed && !case_record::is_usable(cached->status)); }
 };
 
 /// @param known  cases solved elsewhere, by key: they count as cached, so that a campaign goes on from a committed file of references

@@ -39,24 +39,24 @@ CaseIdentity identify(const CaseSpec& spec, const Tools& tools) {
     for (const auto& [path, text] : dictionaries(spec, id.symmetry, rung)) files += path + "\n" + text;
   const StopPolicy& s = spec.stop;
   nlohmann::json description{{"schema", 1},
-                                   {"shape", to_json(spec.shape)},
-                                   {"pose", pose},
-                                   {"reynolds", spec.reynolds},
-                                   {"flow_model", spec.flow_model},
-                                   {"speed_m_s", kSpeed},
-                                   {"density_kg_m3", kDensity},
-                                   {"mesh_level", spec.mesh_level},
-                                   {"mesh", mesh},
-                                   {"dictionaries_sha256", sha256(files)},
-                                   {"stop",
-                                    {{"min_iterations", s.min_iterations},
-                                     {"max_iterations", s.max_iterations},
-                                     {"window", s.window},
-                                     {"average", s.average},
-                                     {"tolerance", s.tolerance},
-                                     {"floor", s.floor}}},
-                                   {"retries", spec.retries},
-                                   {"tools", tools.versions()}};
+                             {"shape", to_json(spec.shape)},
+                             {"pose", pose},
+                             {"reynolds", spec.reynolds},
+                             {"flow_model", spec.flow_model},
+                             {"speed_m_s", kSpeed},
+                             {"density_kg_m3", kDensity},
+                             {"mesh_level", spec.mesh_level},
+                             {"mesh", mesh},
+                             {"dictionaries_sha256", sha256(files)},
+                             {"stop",
+                              {{"min_iterations", s.min_iterations},
+                               {"max_iterations", s.max_iterations},
+                               {"window", s.window},
+                               {"average", s.average},
+                               {"tolerance", s.tolerance},
+                               {"floor", s.floor}}},
+                             {"retries", spec.retries},
+                             {"tools", tools.versions()}};
   // Only where they say something: what was solved before there was a choice keeps its key.
   if (!spec.spin.axis.empty()) description["spin"] = {{"axis", spec.spin.axis}, {"ratio", spec.spin.ratio}};
   if (spec.time_accurate())

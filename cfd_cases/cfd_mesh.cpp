@@ -141,7 +141,8 @@ void make_mesh(const nlohmann::json& request, const std::string& output) {
     if (halved >= 0) corner[halved] = 0.0;
     Entities half;
     const Vector3d edges = Vector3d::Constant(2.0 * radius) - corner;
-    const int ball = occ::addSphere(0, 0, 0, radius), block = occ::addBox(corner.x(), corner.y(), corner.z(), edges.x(), edges.y(), edges.z());
+    const int ball = occ::addSphere(0, 0, 0, radius),
+              block = occ::addBox(corner.x(), corner.y(), corner.z(), edges.x(), edges.y(), edges.z());
     occ::intersect({{3, ball}}, {{3, block}}, half, origins);
     whole = half.at(0).second;
   }

@@ -42,7 +42,8 @@ std::optional<Verdict> give_up_early(const std::vector<Channels>& series, int st
                                                          kChannelNames[static_cast<std::size_t>(c)], now[c], n, plausible));
   }
   if (ended && !still_air && now[0] <= 0.0)
-    return hopeless_case(Status::diverged, fmt::format("C_D = {:.4g} after {} iterations, but the air cannot pull a body upwind", now[0], n));
+    return hopeless_case(Status::diverged,
+                         fmt::format("C_D = {:.4g} after {} iterations, but the air cannot pull a body upwind", now[0], n));
   return std::nullopt;
 }
 
@@ -123,7 +124,8 @@ Verdict judge_in_time(const std::vector<Channels>& series, std::size_t discard, 
   Verdict verdict;
   if (!ended) return verdict;
   if (series.size() < discard + 4)
-    return hopeless_case(Status::drifting, fmt::format("ended after {} steps, of which {} are no part of the mean", series.size(), discard));
+    return hopeless_case(Status::drifting,
+                         fmt::format("ended after {} steps, of which {} are no part of the mean", series.size(), discard));
   const auto n = static_cast<Eigen::Index>(series.size() - discard), half = n / 2;
   const Series kept = last(series, n);
   const Channels difference = (kept.rightCols(half).rowwise().mean() - kept.leftCols(half).rowwise().mean()).cwiseAbs();

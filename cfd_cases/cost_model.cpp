@@ -70,8 +70,9 @@ class Reader {
   const toml::node& need(const std::string& key, const char* what) {
     known_.push_back(key);
     if (const toml::node* node = table_.get(key)) return *node;
-    fail(file_, table_.source(), fmt::format("{} is missing in [{}]: needed {}; `dragval cost --fit --write {}` makes the file anew", key,
-                                             name_, what, file_.string()));
+    fail(file_, table_.source(),
+         fmt::format("{} is missing in [{}]: needed {}; `dragval cost --fit --write {}` makes the file anew", key, name_, what,
+                     file_.string()));
   }
 
   const toml::table& table_;
@@ -162,7 +163,8 @@ void fit_cells(CostModel& model, const std::vector<Sample>& all) {
   for (Eigen::Index i = 0; i < A.rows(); ++i) {
     const Sample& sample = samples[static_cast<std::size_t>(i)];
     const CaseSpec& spec = sample.known.spec;
-    const SizeIntegrals sum = integrate_size(spec.shape, spec.mesh_pose().radians(), sample.known.identity.recipe, sample.known.identity.symmetry);
+    const SizeIntegrals sum =
+        integrate_size(spec.shape, spec.mesh_pose().radians(), sample.known.identity.recipe, sample.known.identity.symmetry);
     A.row(i) << sum.volume / sample.cells(), sum.surface / sample.cells();
   }
   const Eigen::VectorXd solution = robust_solution(A, Eigen::VectorXd::Ones(A.rows()));
@@ -207,8 +209,8 @@ const CostModel::Method& CostModel::method(const std::string& flow_model) const 
   if (const auto found = methods.find(flow_model); found != methods.end()) return found->second;
   std::vector<std::string> known;
   for (const auto& [word, unused] : methods) known.push_back(word);
-  throw ConfigurationError(fmt::format("the cost model has no method '{}': add a table [method.{}] to {}; it has {}", flow_model, flow_model,
-                                       cost_model_file().string(), fmt::join(known, ", ")));
+  throw ConfigurationError(fmt::format("the cost model has no method '{}': add a table [method.{}] to {}; it has {}", flow_model,
+                                       flow_model, cost_model_file().string(), fmt::join(known, ", ")));
 }
 
 double CostModel::solve_cpu_s(const std::string& flow_model, double cells, double iterations) const {
@@ -304,8 +306,9 @@ std::string to_toml(const CostModel& model) {
     text += fmt::format("\n[method.{}.iterations]\n{}", word, law_text("iterations", method.iterations));
     text += fmt::format("\n[method.{}.total]  # CPU time of whole cases\n{}", word, quality_text(method.total));
   }
-  text += fmt::format("\n[memory]  # of the largest program of a case; not fitted\nbytes = {:.3g}\nbytes_per_cell = {:.3g}\nmeasured = \"{}\"\n",
-                      model.memory_bytes, model.memory_bytes_per_cell, model.memory_measured);
+  text += fmt::format(
+      "\n[memory]  # of the largest program of a case; not fitted\nbytes = {:.3g}\nbytes_per_cell = {:.3g}\nmeasured = \"{}\"\n",
+      model.memory_bytes, model.memory_bytes_per_cell, model.memory_measured);
   return text;
 }
 
@@ -315,8 +318,8 @@ CostModel fit_cost_model(const CostModel& known, const std::vector<CaseRecord>& 
     if (auto described = described_case(record.description); described && ended_by_itself(record))
       samples.push_back({&record, std::move(*described)});
   if (samples.size() < 5)
-    throw std::invalid_argument(fmt::format(
-        "{} of the {} cases were solved to their end by this program; 5 are needed to fit a cost model", samples.size(), cases.size()));
+    throw std::invalid_argument(fmt::format("{} of the {} cases were solved to their end by this program; 5 are needed to fit a cost model",
+                                            samples.size(), cases.size()));
 
   CostModel model = known;
   fit_cells(model, samples);

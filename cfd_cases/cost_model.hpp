@@ -46,9 +46,9 @@ struct PowerLaw {
 ///   mesh, convert, post = stage(cells) cells
 ///   memory     = memory_bytes + memory_bytes_per_cell cells
 ///
-/// with every law a power of the number of cells, and one method for each word of CaseSpec::flow_model. Neither the class of the body beside
-/// the cells nor the level instead of them foretells iterations better (left-out rms of the logarithm 0.34, 0.38; with cells alone 0.35):
-/// they vary with whether the wake settles, which is most of the uncertainty.
+/// with every law a power of the number of cells, and one method for each word of CaseSpec::flow_model. Neither the class of the body
+/// beside the cells nor the level instead of them foretells iterations better (left-out rms of the logarithm 0.34, 0.38; with cells alone
+/// 0.35): they vary with whether the wake settles, which is most of the uncertainty.
 struct CostModel {
   struct Method {
     PowerLaw solve;       ///< CPU seconds per cell and iteration
@@ -84,9 +84,9 @@ CostModel read_cost_model(const std::filesystem::path& file);
 /// The file's text: parse_cost_model() of it gives the same model.
 std::string to_toml(const CostModel& model);
 
-/// Fits cells, stages and methods to cases that ended by themselves (steady or drifting). Laws are fitted to logarithms with Huber's weights,
-/// so that a machine busy for some cases does not show; the mean of the iterations is kept, for they are no noise. What the cases say nothing
-/// about (memory, methods without cases) stays as it is in `known`.
+/// Fits cells, stages and methods to cases that ended by themselves (steady or drifting). Laws are fitted to logarithms with Huber's
+/// weights, so that a machine busy for some cases does not show; the mean of the iterations is kept, for they are no noise. What the cases
+/// say nothing about (memory, methods without cases) stays as it is in `known`.
 /// @throws std::invalid_argument when fewer than 5 of the cases were described by this program
 CostModel fit_cost_model(const CostModel& known, const std::vector<case_record::CaseRecord>& cases);
 

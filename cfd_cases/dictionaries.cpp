@@ -136,7 +136,8 @@ std::string words(const Eigen::Vector3d& v) {
 double kinematic_viscosity(const CaseSpec& spec) { return kSpeed * dragcore::properties(spec.shape).reference_length / spec.reynolds; }
 
 Flow flow_of(const CaseSpec& spec) {
-  const Eigen::Matrix3d to_mesh = spec.mesh_in_body_frame() ? spec.pose.radians().rotation().transpose().eval() : Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d to_mesh =
+      spec.mesh_in_body_frame() ? spec.pose.radians().rotation().transpose().eval() : Eigen::Matrix3d::Identity();
   Flow flow;
   if (!spec.spin.in_still_air()) flow.wind = to_mesh * Eigen::Vector3d(kSpeed, 0.0, 0.0);
   // In still air the reference speed is omega L_ref.
@@ -181,39 +182,42 @@ std::map<std::string, std::string> dictionaries(const CaseSpec& spec, Symmetry s
       header("dictionary", "transportProperties") + fmt::format("transportModel Newtonian;\nnu {};\n", nu);
   files["constant/turbulenceProperties"] =
       header("dictionary", "turbulenceProperties") +
-      (laminar ? "simulationType laminar;\n"
-       : spec.flow_model == "k_omega_sst"
-           ? "simulationType RAS;\nRAS { RASModel kOmegaSST; turbulence on; printCoeffs off; }\n"
-           : "simulationType LES;\nLES { LESModel kOmegaSSTDDES; turbulence on; printCoeffs off; delta maxDeltaxyz; maxDeltaxyzCoeffs { deltaCoeff 2; } }\n");
+      (laminar                            ? "simulationType laminar;\n"
+       : spec.flow_model == "k_omega_sst" ? "simulationType RAS;\nRAS { RASModel kOmegaSST; turbulence on; printCoeffs off; }\n"
+                                          : "simulationType LES;\nLES { LESModel kOmegaSSTDDES; turbulence on; printCoeffs off; delta "
+                                            "maxDeltaxyz; maxDeltaxyzCoeffs { deltaCoeff 2; } }\n");
   if (still) {
     files["constant/MRFProperties"] =
         header("dictionary", "MRFProperties") +
-        fmt::format("body {{ cellZone spinning; active yes; nonRotatingPatches (farfield symmetry); origin (0 0 0); axis {}; omega {}; }}\n",
-                    words(flow.angular_velocity.normalized()), flow.angular_velocity.norm());
+        fmt::format(
+            "body {{ cellZone spinning; active yes; nonRotatingPatches (farfield symmetry); origin (0 0 0); axis {}; omega {}; }}\n",
+            words(flow.angular_velocity.normalized()), flow.angular_velocity.norm());
     files["system/topoSetDict"] =
         header("dictionary", "topoSetDict") +
-        fmt::format("actions\n(\n  {{ name ball; type cellSet; action new; source sphereToCell; sourceInfo {{ centre (0 0 0); radius {}; }} }}\n"
-                    "  {{ name spinning; type cellZoneSet; action new; source setToCellZone; sourceInfo {{ set ball; }} }}\n);\n",
-                    kSpinningRadius * body_scale(spec.shape));
+        fmt::format(
+            "actions\n(\n  {{ name ball; type cellSet; action new; source sphereToCell; sourceInfo {{ centre (0 0 0); radius {}; }} }}\n"
+            "  {{ name spinning; type cellZoneSet; action new; source setToCellZone; sourceInfo {{ set ball; }} }}\n);\n",
+            kSpinningRadius * body_scale(spec.shape));
   } else if (spins) {
     files["constant/dynamicMeshDict"] =
         header("dictionary", "dynamicMeshDict") +
-        fmt::format("dynamicFvMesh dynamicMotionSolverFvMesh;\nmotionSolverLibs (fvMotionSolvers);\nmotionSolver solidBody;\n"
-                    "solidBodyMotionFunction rotatingMotion;\nrotatingMotionCoeffs {{ origin (0 0 0); axis {}; omega {}; }}\n",
-                    words(flow.angular_velocity.normalized()), flow.angular_velocity.norm());
+        fmt::format(
+            "dynamicFvMesh dynamicMotionSolverFvMesh;\nmotionSolverLibs (fvMotionSolvers);\nmotionSolver solidBody;\n"
+            "solidBodyMotionFunction rotatingMotion;\nrotatingMotionCoeffs {{ origin (0 0 0); axis {}; omega {}; }}\n",
+            words(flow.angular_velocity.normalized()), flow.angular_velocity.norm());
   }
 
   const std::string wind = words(flow.wind);
   // inletOutlet: eddies that reach the outlet may draw air back in, at rest.
-  files["0/U"] = field("U", "volVectorField", "[0 1 -1 0 0 0 0]", wind,
-                       {"type fixedValue; value uniform " + wind + ";",
-                        "type inletOutlet; inletValue uniform (0 0 0); value uniform " + wind + ";",
-                        still ? "type fixedValue; value uniform (0 0 0);" : "type freestreamVelocity; freestreamValue uniform " + wind + ";"},
-                       boxed,
-                       still   ? "type fixedValue; value uniform (0 0 0);"
-                       : spins ? "type movingWallVelocity; value uniform (0 0 0);"
-                               : "type noSlip;",
-                       symmetry);
+  files["0/U"] =
+      field("U", "volVectorField", "[0 1 -1 0 0 0 0]", wind,
+            {"type fixedValue; value uniform " + wind + ";", "type inletOutlet; inletValue uniform (0 0 0); value uniform " + wind + ";",
+             still ? "type fixedValue; value uniform (0 0 0);" : "type freestreamVelocity; freestreamValue uniform " + wind + ";"},
+            boxed,
+            still   ? "type fixedValue; value uniform (0 0 0);"
+            : spins ? "type movingWallVelocity; value uniform (0 0 0);"
+                    : "type noSlip;",
+            symmetry);
   files["0/p"] = field("p", "volScalarField", "[0 2 -2 0 0 0 0]", "0",
                        {"type zeroGradient;", "type fixedValue; value uniform 0;",
                         still ? "type zeroGradient;" : "type freestreamPressure; freestreamValue uniform 0;"},
@@ -224,19 +228,18 @@ std::map<std::string, std::string> dictionaries(const CaseSpec& spec, Symmetry s
   const double nut = numerics.viscosity_ratio * nu, omega = k / nut;
   const auto carried = [&](const char* name, const char* dimensions, double value, const char* wall) {
     const std::string in_or_out = fmt::format("type inletOutlet; inletValue uniform {0}; value uniform {0};", value);
-    files[std::string("0/") + name] =
-        field(name, "volScalarField", dimensions, fmt::format("{}", value),
-              {fmt::format("type fixedValue; value uniform {};", value), in_or_out,
-               still ? fmt::format("type fixedValue; value uniform {};", value) : in_or_out},
-              boxed, fmt::format("type {}; value uniform {};", wall, value), symmetry);
+    files[std::string("0/") + name] = field(name, "volScalarField", dimensions, fmt::format("{}", value),
+                                            {fmt::format("type fixedValue; value uniform {};", value), in_or_out,
+                                             still ? fmt::format("type fixedValue; value uniform {};", value) : in_or_out},
+                                            boxed, fmt::format("type {}; value uniform {};", wall, value), symmetry);
   };
   carried("k", "[0 2 -2 0 0 0 0]", k, "kqRWallFunction");
   carried("omega", "[0 0 -1 0 0 0 0]", omega, "omegaWallFunction");
   const std::map<std::string, std::string> walls{
       {"spalding", "nutUSpaldingWallFunction"}, {"log_law", "nutkWallFunction"}, {"low_re", "nutLowReWallFunction"}};
   files["0/nut"] = field("nut", "volScalarField", "[0 2 -1 0 0 0 0]", fmt::format("{}", nut),
-                         {"type calculated; value uniform 0;", "type calculated; value uniform 0;", "type calculated; value uniform 0;"}, boxed,
-                         "type " + walls.at(numerics.wall) + "; value uniform 0;", symmetry);
+                         {"type calculated; value uniform 0;", "type calculated; value uniform 0;", "type calculated; value uniform 0;"},
+                         boxed, "type " + walls.at(numerics.wall) + "; value uniform 0;", symmetry);
   return files;
 }
 

@@ -33,8 +33,8 @@ std::string solver_of(const CaseSpec& spec);
 
 /// The files of a case but its mesh, by path in the case folder. Patches: inlet, outlet, sides (a box of air) or farfield (a ball, an
 /// octree), body and, in a half model, symmetry. A body that spins in still air is solved in its rotating frame (MRF, a ball of cells), one
-/// that spins in a wind with a mesh that turns as a whole. The body's force and moment (about the origin, its centroid) are written at every iteration. A file named "stop" in the case
-/// folder makes the solver do one more iteration, write its fields and end.
+/// that spins in a wind with a mesh that turns as a whole. The body's force and moment (about the origin, its centroid) are written at
+/// every iteration. A file named "stop" in the case folder makes the solver do one more iteration, write its fields and end.
 std::map<std::string, std::string> dictionaries(const CaseSpec& spec, Symmetry symmetry, Rung rung);
 
 /// system/decomposeParDict: slices across the wind. Debian's scotch and metis are stubs that abort.

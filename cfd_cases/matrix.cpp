@@ -202,7 +202,9 @@ void read_special(Table& table, const fs::path& file, Sweep& sweep) {
   const bool unusual = to_json(spec.recipe) != to_json(usual) || spec.numerics != Numerics{} || spec.turn_wind || !spec.half_model ||
                        air == "round" || seed != 0 || spec.stop.min_iterations != StopPolicy{}.min_iterations;
   if (unusual && spec.variant.empty())
-    table.fail("numerics, recipe, air, turn_wind, half_model, mesh_seed and min_iterations need variant = \"word\", which tells the cases from the usual ones");
+    table.fail(
+        "numerics, recipe, air, turn_wind, half_model, mesh_seed and min_iterations need variant = \"word\", which tells the cases from "
+        "the usual ones");
   for (const std::string& level : sweep.levels) try {
       MeshRecipe recipe = spec.recipe;
       recipe.refinement = refinement_of(level, spec.octree());

@@ -75,17 +75,17 @@ struct CaseSpec {
   double reynolds = 1e5;
   std::string flow_model = "k_omega_sst";  ///< or "laminar", or "k_omega_sst_ddes", which is time-accurate
   Spin spin;
-  TimeSpan time;            ///< of a time-accurate run
+  TimeSpan time;  ///< of a time-accurate run
   std::string mesh_level = "medium";
-  MeshRecipe recipe;        ///< but for the level
-  bool half_model = true;   ///< where symmetry allows
-  bool turn_wind = false;   ///< the mesh stays with the body and the wind turns, so that poses share a mesh; an octree always does
-  std::string variant;  ///< word added to the name where a sweep repeats poses with other numerics
+  MeshRecipe recipe;       ///< but for the level
+  bool half_model = true;  ///< where symmetry allows
+  bool turn_wind = false;  ///< the mesh stays with the body and the wind turns, so that poses share a mesh; an octree always does
+  std::string variant;     ///< word added to the name where a sweep repeats poses with other numerics
   bool held_out = false;
   Numerics numerics;
   StopPolicy stop;
-  int retries = 1;            ///< rungs of the retry ladder after the first
-  double timeout_s = 1800.0;  ///< wall time of one try of the solver [s]
+  int retries = 1;                        ///< rungs of the retry ladder after the first
+  double timeout_s = 1800.0;              ///< wall time of one try of the solver [s]
   std::shared_ptr<const CaseSpec> start;  ///< from whose fields the solver starts; empty: from uniform flow
 
   bool octree() const { return recipe.hexahedra != 0.0; }

@@ -22,7 +22,8 @@ using case_record::StageCost;
 
 namespace {
 
-/// gmshToFoam and polyDualMesh call every patch a "patch", subsetMesh a new one "empty"; wall functions need the wall, the half model its symmetry.
+/// gmshToFoam and polyDualMesh call every patch a "patch", subsetMesh a new one "empty"; wall functions need the wall, the half model its
+/// symmetry.
 void name_patch_types(const fs::path& boundary) {
   std::string text = contents(boundary);
   text = std::regex_replace(text, std::regex(R"((body\s*\{\s*type\s+)\w+)"), "$1wall");
@@ -81,7 +82,8 @@ void refine_octree(const CaseSpec& spec, const CaseIdentity& identity, Stages& s
   std::vector<int> air;
   const auto extents = cell_extents(read_poly_mesh(poly_mesh));
   for (std::size_t cell = 0; cell < extents.size(); ++cell)
-    if (((0.5 * (extents[cell].lower + extents[cell].upper)).cwiseAbs().array() > half.array()).any()) air.push_back(static_cast<int>(cell));
+    if (((0.5 * (extents[cell].lower + extents[cell].upper)).cwiseAbs().array() > half.array()).any())
+      air.push_back(static_cast<int>(cell));
   write_cell_set(poly_mesh, "air", air);
   stages.run("convert", {"subsetMesh", "air", "-overwrite", "-patch", "body"});
   // The history of the refinement is of another mesh now.

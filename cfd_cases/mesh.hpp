@@ -50,7 +50,8 @@ struct Mesh {
 /// Takes the mesh from the cache, or makes it in `work` and puts it there: cfd_mesh, gmshToFoam, polyDualMesh, renumberMesh, checkMesh. Of
 /// two callers who need the same mesh the second waits for the first.
 /// @param on_stage  told "mesh" and "convert" when they begin
-/// @throws CaseFailure when a tool fails, checkMesh refuses all sizes, cubes do not fit the body, or area and volume of the wall are not those of the shape
+/// @throws CaseFailure when a tool fails, checkMesh refuses all sizes, cubes do not fit the body, or area and volume of the wall are not
+/// those of the shape
 /// @throws Interrupted when `cancel` becomes true
 Mesh ensure_mesh(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache,
                  const std::filesystem::path& work, const std::atomic<bool>& cancel, const std::function<void(const char*)>& on_stage);

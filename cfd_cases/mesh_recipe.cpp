@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -115,7 +115,8 @@ Symmetry symmetry_from(const std::string& word) {
   throw std::invalid_argument(fmt::format("symmetry '{}' is unknown: use none, plane_y or plane_z", word));
 }
 
-Symmetry find_symmetry(const dragcore::Shape& shape, const dragcore::Pose& pose, const Vector3d& spin_axis, const Eigen::Matrix3d& to_wind) {
+Symmetry find_symmetry(const dragcore::Shape& shape, const dragcore::Pose& pose, const Vector3d& spin_axis,
+                       const Eigen::Matrix3d& to_wind) {
   const Eigen::Matrix3d to_body = pose.rotation().transpose();
   // The mirror image of a spin is the same spin only about the plane's own normal.
   const auto allows = [&](const Vector3d& normal_wind) {
@@ -172,14 +173,17 @@ bool OctreeSizes::too_large(const Vector3d& lower, const Vector3d& upper) const 
   // By the point of the cube nearest to each region, so that no layer of large cubes reaches into it.
   const auto distance = [&](double margin, double length, double rise) {
     const Vector3d below = -half_ - scale_ * (Vector3d::Constant(margin) - rise * lee_.cwiseMin(0.0));
-    const Vector3d above = half_ + scale_ * (Vector3d::Constant(margin) + (length - margin) * Vector3d::UnitX() + rise * lee_.cwiseMax(0.0));
+    const Vector3d above =
+        half_ + scale_ * (Vector3d::Constant(margin) + (length - margin) * Vector3d::UnitX() + rise * lee_.cwiseMax(0.0));
     return (lower - above).cwiseMax(below - upper).cwiseMax(0.0).norm();
   };
   // The smallest cubes fill a layer in which the shear layers of the edges roll up.
   constexpr double layer = 0.12;
   const double from_body = recipe_.body_size + recipe_.growth * distance(layer, layer, 0.0) / scale_;
-  const double from_wake = recipe_.wake_size + recipe_.growth * distance(recipe_.wake_margin, recipe_.wake_length, recipe_.wake_rise) / scale_;
-  const double from_outer = recipe_.outer_size + recipe_.growth * distance(recipe_.outer_margin, recipe_.outer_length, recipe_.wake_rise) / scale_;
+  const double from_wake =
+      recipe_.wake_size + recipe_.growth * distance(recipe_.wake_margin, recipe_.wake_length, recipe_.wake_rise) / scale_;
+  const double from_outer =
+      recipe_.outer_size + recipe_.growth * distance(recipe_.outer_margin, recipe_.outer_length, recipe_.wake_rise) / scale_;
   const double wanted = recipe_.refinement * scale_ * std::min({from_body, from_wake, from_outer, recipe_.far_size});
   // A cube that is up to 1.4 times too large stays: halves of it would be as much too small.
   return (upper - lower).maxCoeff() > std::max(1.4 * wanted, 1.01 * recipe_.body_size * recipe_.refinement * scale_);
@@ -232,7 +236,12 @@ Eigen::AlignedBox3d air_around(const Eigen::AlignedBox3d& body, double scale, co
 
 SizeField::SizeField(const dragcore::Shape& shape, const dragcore::Pose& pose, const MeshRecipe& recipe, const Eigen::AlignedBox3d& body,
                      Symmetry symmetry)
-    : shape_(shape), recipe_(recipe), body_(body), to_body_(pose.rotation().transpose()), lee_(lee_side(symmetry)), scale_(body_scale(shape)) {}
+    : shape_(shape),
+      recipe_(recipe),
+      body_(body),
+      to_body_(pose.rotation().transpose()),
+      lee_(lee_side(symmetry)),
+      scale_(body_scale(shape)) {}
 
 double SizeField::operator()(const Vector3d& p) const {
   const auto boxed = [&](double margin, double length) {

@@ -68,16 +68,16 @@ double distance_to_body(const dragcore::Shape& shape, const Eigen::Vector3d& poi
 /// Distance to the sharp point of a cone or teardrop [m]; infinite for other shapes.
 double distance_to_tip(const dragcore::Shape& shape, const Eigen::Vector3d& point_body);
 
-/// The air that is meshed around a body whose bounding box in its pose is `body`: recipe's distances to the sides, and the plane of symmetry
-/// in place of the side that a half model does not have; of a ball of air its bounding box. Frame of the mesh [m].
+/// The air that is meshed around a body whose bounding box in its pose is `body`: recipe's distances to the sides, and the plane of
+/// symmetry in place of the side that a half model does not have; of a ball of air its bounding box. Frame of the mesh [m].
 Eigen::AlignedBox3d air_around(const Eigen::AlignedBox3d& body, double scale, const MeshRecipe& recipe, Symmetry symmetry);
 
 /// The edge length of the tetrahedra as a function of the place alone, so that the half of a symmetric case is the half of its whole:
 ///
 ///   h(p) = refinement min(h_body + g d_body, h_tip + g d_tip, h_wake + g d_wake, h_outer + g d_outer, h_far)
 ///
-/// with the distances d of p to the body, its sharp point and the two boxes around it, and the growth g. What the mesher asks at every point
-/// and what predicted_cells() integrates are this one function.
+/// with the distances d of p to the body, its sharp point and the two boxes around it, and the growth g. What the mesher asks at every
+/// point and what predicted_cells() integrates are this one function.
 class SizeField {
  public:
   /// @param body      bounding box of the body in its pose, frame of the mesh [m]

@@ -186,8 +186,8 @@ class Solver {
       require(run(folder, {"decomposePar"}, solve), "decomposePar", folder);
     }
 
-    // The forces decide live: enough is enough, and a divergence is not paid to its end. Every iteration is judged, so that the verdict does
-    // not depend on when somebody looks: a busy machine gives the same result to the bit.
+    // The forces decide live: enough is enough, and a divergence is not paid to its end. Every iteration is judged, so that the verdict
+    // does not depend on when somebody looks: a busy machine gives the same result to the bit.
     Verdict live;
     std::atomic<bool> halt = false;
     std::size_t judged = 0;
@@ -308,11 +308,15 @@ class Solver {
       const fs::path source = cache_.work(id_.key) / "start";
       fs::remove_all(source);
       write_files(source, dictionaries(*spec_.start, start.symmetry, Rung::standard));
-      for (const auto& field : fs::directory_iterator(from)) fs::copy_file(field.path(), source / "0" / field.path().filename(), fs::copy_options::overwrite_existing);
+      for (const auto& field : fs::directory_iterator(from))
+        fs::copy_file(field.path(), source / "0" / field.path().filename(), fs::copy_options::overwrite_existing);
       fs::create_directories(source / "constant/polyMesh");
       for (const auto& file : fs::directory_iterator(cache_.mesh(start.mesh_key) / "polyMesh"))
         fs::create_hard_link(file.path(), source / "constant/polyMesh" / file.path().filename());
-      write_files(folder, {{"system/mapFieldsDict", "FoamFile { version 2.0; format ascii; class dictionary; object mapFieldsDict; }\npatchMap ();\ncuttingPatches ();\n"}});
+      write_files(
+          folder,
+          {{"system/mapFieldsDict",
+            "FoamFile { version 2.0; format ascii; class dictionary; object mapFieldsDict; }\npatchMap ();\ncuttingPatches ();\n"}});
       return require(run(folder, {"mapFields", source.string(), "-sourceTime", "0"}, cost), "mapFields", folder);
     }
     for (const char* name : kFields) {
@@ -360,8 +364,8 @@ class Solver {
 
 }  // namespace
 
-CaseRecord solve_case(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, int ranks, bool keep_fields,
-                      const std::atomic<bool>& cancel, const std::function<void(const Progress&)>& on_progress) {
+CaseRecord solve_case(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, int ranks,
+                      bool keep_fields, const std::atomic<bool>& cancel, const std::function<void(const Progress&)>& on_progress) {
   return Solver(spec, identity, tools, cache, ranks, keep_fields, cancel, on_progress).solve();
 }
 

@@ -21,8 +21,9 @@ struct Progress {
 /// @param ranks        MPI ranks of the solver; they are not part of the key
 /// @param keep_fields  leave the last fields in cache.fields(key), for cases that start from them
 /// @throws Interrupted when `cancel` becomes true, std::runtime_error when the machine fails (no space, no rights)
-case_record::CaseRecord solve_case(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, int ranks, bool keep_fields,
-                                   const std::atomic<bool>& cancel, const std::function<void(const Progress&)>& on_progress);
+case_record::CaseRecord solve_case(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache, int ranks,
+                                   bool keep_fields, const std::atomic<bool>& cancel,
+                                   const std::function<void(const Progress&)>& on_progress);
 
 /// A record of what was asked, without a result: for whoever knows better why there is none.
 case_record::CaseRecord asked_record(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools);

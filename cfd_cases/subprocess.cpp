@@ -168,7 +168,8 @@ bool FileLock::try_again() {
   if (!held_ && flock(descriptor_, LOCK_EX | LOCK_NB) == 0) held_ = true;
   // Some network file systems have no locks: waiting for one would never end.
   if (!held_ && errno != EWOULDBLOCK && errno != EINTR)
-    throw std::runtime_error(fmt::format("the file system of the cache refuses locks (flock: {}); choose another with --cache", std::strerror(errno)));
+    throw std::runtime_error(
+        fmt::format("the file system of the cache refuses locks (flock: {}); choose another with --cache", std::strerror(errno)));
   return held_;
 }
 

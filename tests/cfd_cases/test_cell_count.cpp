@@ -28,8 +28,8 @@ TEST_CASE("air of one size holds its volume over the cube of that size", "[cfd_c
 }
 
 TEST_CASE("size grows around a sphere as worked out by hand", "[cfd_cases][mesh][analytic]") {
-  // Only the body refines, and nothing bounds the size: h = a + g (r - R). The integral of 4 pi r^2 h^-3 over the air has a closed form up to
-  // the nearest side; beyond, where h > 1.5, less than 6 % of it is left.
+  // Only the body refines, and nothing bounds the size: h = a + g (r - R). The integral of 4 pi r^2 h^-3 over the air has a closed form up
+  // to the nearest side; beyond, where h > 1.5, less than 6 % of it is left.
   MeshRecipe body_only;
   body_only.wake_size = body_only.outer_size = body_only.far_size = 100.0;
   const double a = body_only.body_size, g = body_only.growth, R = 0.5, far = 8.5;

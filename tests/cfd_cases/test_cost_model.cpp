@@ -62,7 +62,8 @@ TEST_CASE("predicted cells are those of the stored meshes", "[cfd_cases][cost]")
     CAPTURE(record.name, record.cells);
     const auto known = described_case(record.description);
     const double ratio = record.cells / committed().estimate(known->spec, known->identity).cells;
-    const bool refused = std::any_of(record.attempts.begin(), record.attempts.end(), [](const auto& attempt) { return attempt.recipe.starts_with("mesh"); });
+    const bool refused =
+        std::any_of(record.attempts.begin(), record.attempts.end(), [](const auto& attempt) { return attempt.recipe.starts_with("mesh"); });
     // A mesh that checkMesh refused was made again with sizes down to 0.94, that is up to 1.2 times the cells.
     if (refused) {
       CHECK(ratio == Approx(1.1).margin(0.12));
@@ -132,7 +133,8 @@ TEST_CASE("a fit finds the law that made the costs, whatever a few busy hours di
     for (const auto& [stage, seconds] : made.cpu_s) record.cost[stage].cpu_s = seconds * (++n % 10 == 0 ? 3.0 : 1.0);
   }
   const CostModel fitted = fit_cost_model(committed(), cases);
-  // A tenth of the costs three times too high moves a Huber fit by a per cent of what is left of them; rounding of cells and iterations is below.
+  // A tenth of the costs three times too high moves a Huber fit by a per cent of what is left of them; rounding of cells and iterations is
+  // below.
   CHECK(fitted.per_volume == Approx(committed().per_volume).epsilon(0.01));
   CHECK(fitted.stages.at("convert").value == Approx(committed().stages.at("convert").value).epsilon(0.03));
   for (const char* word : {"laminar", "k_omega_sst"}) {
@@ -163,9 +165,11 @@ TEST_CASE("a slow machine shows in the pace, a slow wake does not", "[cfd_cases]
 TEST_CASE("a cost model survives its file, and a wrong file names line and need", "[cfd_cases][cost][hard]") {
   const std::string text = to_toml(committed());
   CHECK(to_toml(parse_cost_model(text, "model.toml")) == text);
-  CHECK_THAT(error_of(replaced(text, "per_volume = ", "per_volume = \"much\" # ")), StartsWith("model.toml:") && Contains("per_volume") && Contains("needed a number"));
+  CHECK_THAT(error_of(replaced(text, "per_volume = ", "per_volume = \"much\" # ")),
+             StartsWith("model.toml:") && Contains("per_volume") && Contains("needed a number"));
   CHECK_THAT(error_of(replaced(text, "per_volume = ", "per_valume = ")), Contains("per_volume is missing in [cells]"));
-  CHECK_THAT(error_of(replaced(text, "[memory]", "[memory]\nweight = 3")), StartsWith("model.toml:") && Contains("unknown key 'weight' in [memory]"));
+  CHECK_THAT(error_of(replaced(text, "[memory]", "[memory]\nweight = 3")),
+             StartsWith("model.toml:") && Contains("unknown key 'weight' in [memory]"));
   CHECK_THAT(error_of(replaced(text, "exponent = ", "exponent = 7 # ")), Contains("from -1 to 2"));
   CHECK_THAT(error_of(replaced(text, "[stage.convert]", "[stage.konvert]")), Contains("convert is missing in [stage]"));
   CHECK_THAT(error_of("[cells\n"), StartsWith("model.toml:1:"));

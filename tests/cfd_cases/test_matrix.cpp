@@ -139,7 +139,8 @@ TEST_CASE("what does not go together is refused", "[cfd_cases][matrix][hard]") {
   CHECK_THAT(error_of("[[sweep]]\nshape = \"cube\"\nspin = \"w\"\n"), Contains("spin = \"w\" is no axis"));
   CHECK_THAT(error_of("[[sweep]]\nshape = \"cube\"\nspin_ratio = 2\n"), Contains("spin_ratio needs spin"));
   CHECK_THAT(error_of("[[sweep]]\nshape = \"cone\"\nmesher = \"octree\"\n"), Contains("not a cone"));
-  CHECK_THAT(error_of("[[sweep]]\nshape = \"plate\"\nmesher = \"octree\"\nmesh = \"coarse\"\n"), Contains("no multiple of the smallest cube"));
+  CHECK_THAT(error_of("[[sweep]]\nshape = \"plate\"\nmesher = \"octree\"\nmesh = \"coarse\"\n"),
+             Contains("no multiple of the smallest cube"));
   CHECK_THAT(error_of("[[sweep]]\nshape = \"cube\"\nstart = \"nothing\"\n"), Contains("is no case of an earlier sweep"));
   CHECK_THAT(error_of("[[sweep]]\nshape = \"cube\"\ntime = { duration = 3, discard = 3 }\n"), Contains("must be below duration"));
 }

@@ -62,10 +62,10 @@ TEST_CASE("cubes of an octree fit the body, shrink towards it, and never below t
   const OctreeSizes sizes(dragcore::Plate{}, recipe, Symmetry::plane_y);
   const auto cube = [](const Vector3d& corner, double edge) { return std::pair{corner, Vector3d(corner + Vector3d::Constant(edge))}; };
   const auto too_large = [&](const std::pair<Vector3d, Vector3d>& c) { return sizes.too_large(c.first, c.second); };
-  CHECK(too_large(cube({0.5, 0.0, 0.0}, 0.05)));           // touches the trailing edge
+  CHECK(too_large(cube({0.5, 0.0, 0.0}, 0.05)));  // touches the trailing edge
   CHECK_FALSE(too_large(cube({0.5, 0.0, 0.0}, 0.025)));
-  CHECK_FALSE(too_large(cube({-8.0, 0.0, -8.0}, 1.6)));    // in the far field
-  CHECK(too_large(cube({1.0, 0.0, 0.4}, 0.1)));            // in the wake, which lies to the lee side, +z
+  CHECK_FALSE(too_large(cube({-8.0, 0.0, -8.0}, 1.6)));  // in the far field
+  CHECK(too_large(cube({1.0, 0.0, 0.4}, 0.1)));          // in the wake, which lies to the lee side, +z
   CHECK_FALSE(too_large(cube({1.0, 0.0, -1.5}, 0.1)));
   recipe.body_size = 0.04;
   CHECK_THROWS_WITH(OctreeSizes(dragcore::Plate{}, recipe, Symmetry::plane_y), Catch::Contains("no multiple of the smallest cube"));
