@@ -187,8 +187,8 @@ def lost_node(place):
 def interrupt_and_cancel(place):
     matrix = place.matrix("cancel.toml", "sphere", 130)
     follower = place.start("run", matrix, "--executor", "slurm", "--sbatch-option=--hold", "--cache", "cancel")
-    wait_for(lambda: place.slurm.ask("squeue", "--noheader"), 30, "no job is submitted")
-    time.sleep(0.5)
+    held = lambda: [folder for folder in place.submissions("cancel") if place.slurm.ask("squeue", "--noheader", "--name=" + folder.name)]
+    wait_for(held, 60, "no job is submitted")  # its own, not one of an earlier step
     follower.send_signal(signal.SIGINT)
     result = place.finish(follower)
     expect(result.returncode == 130 and "go on in Slurm" in result.stdout, f"Ctrl-C ends with {result.returncode}", result)
