@@ -74,8 +74,11 @@ VariantTable variant_table(const std::vector<CaseRecord>& records) {
   std::map<std::string, Base> bases;  // by the name of the case
   for (const CaseFamily& family : case_families(records))
     for (const CaseRecord* level : family.levels) {
-      if (!split_name(level->name, level->mesh_level).variant.empty()) continue;
-      Base& base = bases[level->name];
+      const CaseName name = split_name(level->name, level->mesh_level);
+      // Of a flow followed up and down in angle the way up is what the others are compared with.
+      if (!name.variant.empty() && name.variant != "up") continue;
+      Base& base = bases[name.stem + "_" + level->mesh_level];
+      if (base.record && !name.variant.empty()) continue;
       base.record = level;
       if (!is_usable(level->status)) continue;
       if (const auto u = discretisation_at(family, *level)) {
@@ -91,6 +94,7 @@ VariantTable variant_table(const std::vector<CaseRecord>& records) {
     const CaseName name = split_name(record.name, record.mesh_level);
     if (name.variant.empty()) continue;
     const auto found = bases.find(name.stem + "_" + record.mesh_level);
+    if (found != bases.end() && found->second.record->name == record.name) continue;
     if (found == bases.end()) {
       table.without_base.push_back(record.name);
       continue;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <dragcore/drag.hpp>
+#include <dragcore/fluid_terms.hpp>
 #include <dragcore/stepping.hpp>
 #include <exception>
 #include <iterator>
@@ -102,7 +103,9 @@ dragcore_model model_from(const dragcore::Model& model) {
 
 dragcore::Wrench wrench_of(const dragcore_wrench& w) { return {vector(w.force), vector(w.torque)}; }
 
-dragcore::MassProperties body_of(const dragcore_body& b) { return {b.mass, Eigen::Map<const RowMajor3d>(b.inertia)}; }
+dragcore::MassProperties body_of(const dragcore_body& b) {
+  return {b.mass, Eigen::Map<const RowMajor3d>(b.inertia), Eigen::Map<const RowMajor6d>(b.added_mass)};
+}
 
 using Step = dragcore::Vector6d (*)(const dragcore::Matrix6d&, const dragcore::MassProperties&, const dragcore::Motion&, const dragcore::Vector6d&, double);
 
@@ -155,17 +158,27 @@ dragcore_status dragcore_surface_class(const dragcore_surface* surface, dragcore
   });
 }
 
-dragcore_status dragcore_surface_create(const double* vertices, size_t vertex_count, const int* triangles, size_t triangle_count, int two_sided,
+dragcore_status dragcore_surface_create(const double* vertices, size_t vertex_count, const int* triangles, size_t triangle_count, int sides,
                                         dragcore_surface** surface) {
   if (surface) *surface = nullptr;
   return guarded([&] {
     require(surface, "surface");
     if (vertex_count > 0) require(vertices, "vertices");
     if (triangle_count > 0) require(triangles, "triangles");
+    if (sides != DRAGCORE_SIDES_AUTOMATIC && sides != DRAGCORE_ONE_SIDED && sides != DRAGCORE_TWO_SIDED)
+      throw std::invalid_argument("sides = " + std::to_string(sides) + ", but it must be one of enum dragcore_sides, 0 to 2");
     dragcore::TriangleMesh mesh;
     for (size_t i = 0; i < vertex_count; ++i) mesh.vertices.emplace_back(vertices[3 * i], vertices[3 * i + 1], vertices[3 * i + 2]);
     for (size_t i = 0; i < triangle_count; ++i) mesh.triangles.emplace_back(triangles[3 * i], triangles[3 * i + 1], triangles[3 * i + 2]);
-    *surface = new dragcore_surface{dragcore::Surface(mesh, two_sided ? dragcore::Surface::Sides::two : dragcore::Surface::Sides::one)};
+    *surface = new dragcore_surface{dragcore::Surface(mesh, static_cast<dragcore::Surface::Sides>(sides))};
+  });
+}
+
+dragcore_status dragcore_surface_sides(const dragcore_surface* surface, dragcore_sides* sides) {
+  return guarded([&] {
+    require(surface, "surface");
+    require(sides, "sides");
+    *sides = static_cast<dragcore_sides>(surface->surface.sides);
   });
 }
 
@@ -215,6 +228,15 @@ dragcore_status dragcore_step_secant_implicit(const double matrix[36], const dra
 dragcore_status dragcore_step_scalar_implicit(const double matrix[36], const dragcore_body* body, const dragcore_motion* motion, const dragcore_wrench* external,
                                               double dt, double velocity[3], double angular_velocity[3]) {
   return step(dragcore::step_scalar_implicit, matrix, body, motion, external, dt, velocity, angular_velocity);
+}
+
+dragcore_status dragcore_ellipsoid_added_mass(const double semi_axes[3], double density, double matrix[36]) {
+  return guarded([&] {
+    require(semi_axes, "semi_axes");
+    require(matrix, "matrix");
+    Eigen::Map<RowMajor6d>{matrix} =
+        dragcore::added_mass({.shape = {semi_axes[0], semi_axes[1], semi_axes[2]}}, Eigen::Vector3d::Zero(), {.density = density});
+  });
 }
 
 dragcore_status dragcore_impulse_share(const dragcore_wrench* wrench, const dragcore_body* body, const dragcore_motion* motion, double dt, double* share) {

@@ -26,6 +26,39 @@ double extent(const TriangleMesh& mesh) {
   return (high - low).norm();
 }
 
+/// A loop of the boundary: its area vector, as its triangles run along it, and a point in its middle.
+struct Hole {
+  Vector3d area = Vector3d::Zero(), centre = Vector3d::Zero();  // [m^2]; from `origin` [m]
+  int edges = 0;
+};
+
+/// The boundary as connected loops. `boundary`: how much oftener each edge is run through forwards than backwards.
+std::vector<Hole> holes(const std::map<std::pair<int, int>, int>& boundary, const std::vector<Vector3d>& vertices, const Vector3d& origin) {
+  std::map<int, int> parent;
+  const auto root = [&parent](int v) {
+    while (parent.at(v) != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (const auto& [edge, times] : boundary) {
+    parent.try_emplace(edge.first, edge.first), parent.try_emplace(edge.second, edge.second);
+    parent[root(edge.first)] = root(edge.second);
+  }
+  std::map<int, Hole> by_root;
+  for (const auto& [edge, times] : boundary) {
+    Hole& hole = by_root[root(edge.first)];
+    const Vector3d from = vertices[static_cast<std::size_t>(edge.first)] - origin, to = vertices[static_cast<std::size_t>(edge.second)] - origin;
+    hole.area += 0.5 * times * from.cross(to);
+    hole.centre += 0.5 * (from + to);
+    ++hole.edges;
+  }
+  std::vector<Hole> found;
+  for (auto& [v, hole] : by_root) {
+    hole.centre /= hole.edges;
+    found.push_back(hole);
+  }
+  return found;
+}
+
 }  // namespace
 
 bool is_degenerate(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
@@ -101,15 +134,22 @@ MeshProperties inspect(const TriangleMesh& mesh) {
       ++(from < to ? use.forward : use.backward);
     }
   }
+  std::map<std::pair<int, int>, int> boundary;  // edges that their triangles run through oftener one way than the other; bad winding makes no hole
   for (const auto& [edge, use] : edges) {
     const int total = use.forward + use.backward;
     if (total == 1) ++p.boundary_edges;
     if (total > 2) ++p.non_manifold_edges;
     if (total == 2 && use.forward != 1) ++p.inconsistent_edges;
+    if (total != 2 && use.forward != use.backward) boundary[edge] = use.forward - use.backward;
   }
+  for (const Hole& hole : holes(boundary, joined.vertices, origin)) {
+    p.hole_area += hole.area.norm();
+    p.volume -= hole.area.dot(hole.centre) / 3.0;
+  }
+  p.encloses = p.triangles > 0 && (p.boundary_edges == 0 || p.hole_area <= 0.05 * p.area);
   p.closed = p.triangles > 0 && p.boundary_edges == 0 && p.non_manifold_edges == 0;
   p.consistently_wound = p.inconsistent_edges == 0;
-  p.inside_out = p.closed && p.consistently_wound && p.volume < 0.0;
+  p.inside_out = p.encloses && p.consistently_wound && p.volume < 0.0;
   if (p.closed && std::abs(p.volume) > 1e-12 * size * size * size)
     p.centroid = origin + volume_moment / p.volume;
   else if (p.area > 0.0)
@@ -119,8 +159,15 @@ MeshProperties inspect(const TriangleMesh& mesh) {
 
 std::string describe(const MeshProperties& p) {
   std::ostringstream text;
-  text << p.triangles << " triangles, " << (p.closed ? "closed" : "open") << ", area " << p.area << " m^2";
-  if (p.closed) text << ", volume " << p.volume << " m^3";
+  text << p.triangles << " triangles, ";
+  if (p.closed)
+    text << "closed";
+  else if (p.encloses)
+    text << "a body with holes of " << p.hole_area << " m^2";
+  else
+    text << "an open sheet";
+  text << ", area " << p.area << " m^2";
+  if (p.encloses) text << ", volume " << p.volume << " m^3";
   if (p.inside_out) text << "; inside out (normals point inwards)";
   if (!p.consistently_wound) text << "; winding inconsistent at " << p.inconsistent_edges << " edges";
   if (p.degenerate) text << "; " << p.degenerate << " degenerate triangles";

@@ -18,7 +18,7 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
   const Surface surface(mesh, sides);  // for its planar patches and its curvature
   check_input(surface, motion, medium, model);
   const Law& law = model.law;
-  const bool two_sided = sides == Surface::Sides::two;
+  const bool two_sided = surface.two_sided();
   const bool spins = model.effects.has(Effect::spin), winds = model.effects.has(Effect::wind_variation);
   const Vector3d& r_0 = motion.reference_point;
 

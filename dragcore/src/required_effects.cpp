@@ -2,6 +2,7 @@
 
 #include <dragcore/fluid_terms.hpp>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -103,6 +104,13 @@ RequiredEffects required_effects(const Scene& scene) {
     if ((surface.curvature.row(i) != 0.0).any()) curved_area += surface.area[i];
   const Bounds curvature = bounds_of([&](double c) { return saturating(c, 0.2) * Curve{1.0 - c * c, -2.0 * c} * law.curvature; });
   const double sides = surface.two_sided() ? 2.0 : 1.0;
+  // Smallest frontal area, from below: |n.d| >= (n.d)^2, and a body's rear half does not count.
+  Eigen::Matrix3d facing = Eigen::Matrix3d::Zero();
+  for (Eigen::Index i = 0; i < surface.size(); ++i) {
+    const Vector3d n = surface.normal.row(i).matrix();
+    facing += surface.area[i] * n * n.transpose();
+  }
+  const double smallest_front = 0.5 * sides * std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(facing, Eigen::EigenvaluesOnly).eigenvalues()[0]);
 
   const ActiveEffects active(motion, scene.model);
   const auto add = [&](const std::string& name, std::optional<Effect> effect, double force, double torque, const std::string& why) {
@@ -110,6 +118,12 @@ RequiredEffects required_effects(const Scene& scene) {
     need.needed = force > scene.tolerance * result.force_scale || torque > scene.tolerance * result.torque_scale;
     if (need.needed && effect) result.effects = result.effects | *effect;
     result.needs.push_back(std::move(need));
+  };
+  const auto keep = [&](Effect effect, const std::string& why) {  // the last judged, for reasons that its bound does not know
+    EffectNeed& need = result.needs.back();
+    need.needed = true;
+    need.why += why;
+    result.effects = result.effects | effect;
   };
   const auto add_pressure = [&](Effect effect, bool present, double coefficient, double wetted, const std::string& absent, const std::string& there) {
     const double force = present ? q * wetted * coefficient : 0.0;
@@ -120,6 +134,8 @@ RequiredEffects required_effects(const Scene& scene) {
                "leeward faces feel up to " + text(leeward.value) + " q");
   add_pressure(Effect::friction, active.has<Effect::friction>(), law.friction, sides * area, "the law has no friction",
                "every wetted side feels up to " + text(law.friction) + " q");
+  if (scene.free && active.has<Effect::friction>() && law.friction * sides * area > scene.tolerance * smallest_front)
+    keep(Effect::friction, ", and little else brakes a free body whose frontal area may be as small as " + text(smallest_front) + " m^2");
   add_pressure(Effect::base_suction, active.has<Effect::base_suction>(), base.value, area, "the law has no base suction",
                "windward faces feel up to " + text(base.value) + " q of it");
   const bool recovers = active.has<Effect::recovery>() && surface.volume > 0.0;
@@ -166,11 +182,13 @@ RequiredEffects required_effects(const Scene& scene) {
   const double by_spin = active.has<Effect::spin>() ? by_velocity(spin) : 0.0;
   add(to_string(Effect::spin), Effect::spin, by_spin, by_spin * arm,
       active.has<Effect::spin>() ? "points move at up to " + text(spin) + " m/s by spin, " + text(travel) + " m/s by travel" : "the body does not spin");
+  if (scene.free && scene.model.effects.has(Effect::spin)) keep(Effect::spin, ", but a free body may come to, and nothing else would brake it");
   const bool varies = uneven > 0.0 && scene.model.effects.has(Effect::wind_variation);
   const double by_wind = varies ? by_velocity(uneven) : 0.0;
   add(to_string(Effect::wind_variation), Effect::wind_variation, by_wind, by_wind * arm,
       varies ? "the wind differs by up to " + text(uneven) + " m/s over the body" : "the wind is uniform over the body");
-  if (scene.wind && result.effects.has(Effect::wind_variation)) {
+  if (scene.free && scene.wind && scene.model.effects.has(Effect::wind_variation) && !varies) keep(Effect::wind_variation, " here, but a free body moves on");
+  if (scene.wind && varies && result.effects.has(Effect::wind_variation)) {
     const double allowed = scene.tolerance * result.force_scale / std::max(by_velocity(1.0), 1e-300);
     result.wind_sampling = choose_sampling(field, allowed);
     if (result.wind_sampling == WindSampling::constant) result.wind_sampling = WindSampling::affine;

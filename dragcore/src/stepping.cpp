@@ -49,7 +49,11 @@ Matrix6d MassProperties::matrix() const {
   Matrix6d m = Matrix6d::Zero();
   m.topLeftCorner<3, 3>() = mass * Eigen::Matrix3d::Identity();
   m.bottomRightCorner<3, 3>() = inertia;
-  return m;
+  if (added.isZero(0.0)) return m;
+  const double rounding = 1e-9 * added.cwiseAbs().maxCoeff();
+  if (!added.allFinite() || !added.isApprox(added.transpose(), 1e-9) || Eigen::SelfAdjointEigenSolver<Matrix6d>(added, Eigen::EigenvaluesOnly).eigenvalues()[0] < -rounding)
+    throw std::invalid_argument("added mass must be finite, symmetric and positive semidefinite, as added_mass() gives it");
+  return m + added;
 }
 
 Matrix6d resistance(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {

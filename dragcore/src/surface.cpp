@@ -86,11 +86,12 @@ bool runs(const Vector3i& t, int from, int to) { return (t[0] == from && t[1] ==
 
 }  // namespace
 
-Surface::Surface(const TriangleMesh& mesh, Sides sides_) : sides(sides_) {
+Surface::Surface(const TriangleMesh& mesh, Sides asked) : sides(asked) {
   const MeshProperties found = inspect(mesh);
+  if (asked == Sides::automatic) sides = found.encloses || found.triangles == 0 ? Sides::one : Sides::two;
   // A sheet has no outside, and two skins at one place no volume but rounding.
   if (sides == Sides::one && found.inside_out && found.volume < -1e-12 * found.area * std::sqrt(found.area))
-    throw std::invalid_argument("surface: the closed mesh is inside out (volume " + std::to_string(found.volume) +
+    throw std::invalid_argument("surface: the mesh is inside out (volume " + std::to_string(found.volume) +
                                 " m^3, normals must point into the air); reverse the winding of its triangles");
   if (sides == Sides::one && !found.consistently_wound)
     throw std::invalid_argument("surface: neighbouring triangles are wound in opposite directions at " + std::to_string(found.inconsistent_edges) +
@@ -194,7 +195,7 @@ Surface::Surface(const TriangleMesh& mesh, Sides sides_) : sides(sides_) {
   }
 
   total_area = area.sum();
-  if (sides == Sides::one && found.closed && found.consistently_wound) volume = std::max(0.0, found.volume);
+  if (sides == Sides::one && found.encloses && found.consistently_wound) volume = std::max(0.0, found.volume);
   if (count > 0) centre = ((centroid.colwise() * area).colwise().sum() / total_area).matrix();
   for (Eigen::Index i = 0; i < count; ++i) {
     const Vector3d a = (centroid.row(i) - (edge_ab.row(i) + edge_ac.row(i)) / 3.0).matrix();

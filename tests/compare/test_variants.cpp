@@ -39,11 +39,22 @@ TEST_CASE("a variant is compared with its base: in % of its force and moment, in
 }
 
 TEST_CASE("a variant without a base on its own level is listed and not compared", "[compare][variants][limit]") {
-  const auto table = compare::variant_table({cube("", 0.8, 0.6, 0.05, "fine"), cube("up", 0.8, 0.6, 0.05)});
+  const auto table = compare::variant_table({cube("", 0.8, 0.6, 0.05, "fine"), cube("upwind", 0.8, 0.6, 0.05)});
   CHECK(table.compared == 0);
   CHECK(table.rows.empty());
   REQUIRE(table.without_base.size() == 1);
-  CHECK_THAT(table.without_base[0], Contains("_up"));
+  CHECK_THAT(table.without_base[0], Contains("_upwind"));
+}
+
+TEST_CASE("of a flow followed up and down in angle the way up is the base", "[compare][variants]") {
+  const auto table = compare::variant_table({cube("down", 0.6, 0.6, 0.05), cube("up", 0.8, 0.6, 0.05), cube("up-coarse", 0.7, 0.6, 0.05)});
+  REQUIRE(table.rows.size() == 2);
+  CHECK(table.rows[0].variant == "down");
+  CHECK(table.rows[0].drag.percent.value() == Approx(-20.0).epsilon(1e-10));
+  CHECK(table.rows[1].variant == "up-coarse");
+  CHECK(table.without_base.empty());
+  // Where there is a case without variant, it is.
+  CHECK(compare::variant_table({cube("", 0.8, 0.6, 0.05), cube("up", 0.8, 0.6, 0.05)}).rows.at(0).variant == "up");
 }
 
 TEST_CASE("seeds have a scatter, the base among them", "[compare][variants][analytic]") {

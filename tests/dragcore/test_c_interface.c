@@ -24,7 +24,11 @@ int main(void) {
   memset(&motion, 0, sizeof motion);
   motion.wind[2] = 10.0;
 
-  check(dragcore_surface_create(vertices, 4, triangles, 2, 1, &sheet) == DRAGCORE_OK, "a sheet can be made");
+  check(dragcore_surface_create(vertices, 4, triangles, 2, DRAGCORE_SIDES_AUTOMATIC, &sheet) == DRAGCORE_OK, "a sheet can be made");
+  {
+    dragcore_sides sides = DRAGCORE_SIDES_AUTOMATIC;
+    check(dragcore_surface_sides(sheet, &sides) == DRAGCORE_OK && sides == DRAGCORE_TWO_SIDED, "and is found to be one");
+  }
   check(dragcore_evaluate(sheet, &motion, 1.2, &model, &wrench) == DRAGCORE_OK, "its wrench can be had");
   check(fabs(wrench.force[2] - 60.0) < 1e-12, "the force is rho U^2 A / 2");
   check(fabs(wrench.torque[0]) + fabs(wrench.torque[1]) < 1e-12, "and acts in the middle");
@@ -54,7 +58,8 @@ int main(void) {
 
   /* A step: the sheet is taken along by the wind and never overtakes it. */
   {
-    const dragcore_body paper = {0.08, {0.0067, 0, 0, 0, 0.0067, 0, 0, 0, 0.0134}};
+    dragcore_body paper = {0.08, {0.0067, 0, 0, 0, 0.0067, 0, 0, 0, 0.0134}, {0}};
+    const double ellipsoid[3] = {0.56, 0.56, 1e-3};
     const dragcore_wrench nothing = {{0, 0, 0}, {0, 0, 0}};
     double velocity[3], spin[3], share, jacobian[36];
     model.pillow = DRAGCORE_PILLOW_NONE;
@@ -65,6 +70,9 @@ int main(void) {
     check(dragcore_evaluate(sheet, &motion, 1.2, &model, &wrench) == DRAGCORE_OK, "wrench for the impulse");
     check(dragcore_impulse_share(&wrench, &paper, &motion, 10.0, &share) == DRAGCORE_OK && share > 0.0 && share < 0.01, "an impulse is cut down");
     check(dragcore_force_jacobian(sheet, &motion, 1.2, &model, jacobian) == DRAGCORE_OK && fabs(jacobian[14] + 12.0) < 1e-9, "d force / d velocity = -2 F/U");
+    check(dragcore_ellipsoid_added_mass(ellipsoid, 1.2, paper.added_mass) == DRAGCORE_OK && fabs(paper.added_mass[14] / (8.0 / 3 * 1.2 * 0.56 * 0.56 * 0.56) - 1) < 0.01,
+          "a thin ellipsoid carries as much air as a disc");
+    check(dragcore_step_secant_implicit(s, &paper, &motion, &nothing, 0.01, velocity, spin) == DRAGCORE_OK && velocity[2] > 0.0 && velocity[2] < 3.0, "and starts slowly with it");
     check(dragcore_step_secant_implicit(s, &paper, &motion, &nothing, -1.0, velocity, spin) == DRAGCORE_INVALID_ARGUMENT, "no step back in time");
   }
 
@@ -79,7 +87,8 @@ int main(void) {
 
   {
     const int wild[] = {0, 1, 7};
-    check(dragcore_surface_create(vertices, 4, wild, 1, 1, &sheet) == DRAGCORE_INVALID_ARGUMENT && sheet == NULL, "an index out of range is refused");
+    check(dragcore_surface_create(vertices, 4, triangles, 2, 3, &sheet) == DRAGCORE_INVALID_ARGUMENT && strstr(dragcore_last_error(), "sides = 3") != NULL, "no third side");
+    check(dragcore_surface_create(vertices, 4, wild, 1, DRAGCORE_TWO_SIDED, &sheet) == DRAGCORE_INVALID_ARGUMENT && sheet == NULL, "an index out of range is refused");
     check(strstr(dragcore_last_error(), "vertex 7") != NULL, "and named");
   }
   dragcore_surface_destroy(NULL);

@@ -106,6 +106,9 @@ TEST_CASE("the class of a body is found from its mesh", "[descriptors][analytic]
   CHECK(class_of(Teardrop{.diameter = 1.0, .length = 3.0}) == BodyClass::smooth);
 
   TriangleMesh open = triangulate(Box{}, 2);
+  open.triangles.resize(open.triangles.size() - 2);  // 1 of 24 squares: a body with a hole
+  CHECK(Surface(open).body_class == BodyClass::sharp);
+  CHECK_THAT(Surface(open).volume, WithinAbs(1.0, 1e-14));
   open.triangles.resize(open.triangles.size() - 2);
   CHECK(Surface(open).body_class == BodyClass::sheet);
   CHECK(Surface(open).volume == 0.0);

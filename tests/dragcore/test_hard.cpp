@@ -235,7 +235,7 @@ TEST_CASE("one triangle has its closed-form force from every side, and none from
     const Vector3d wind(std::cos(angle), 0, -std::sin(angle));  // onto the front for angles in (0, pi)
     const double c = std::abs(std::sin(angle)), note = c * c * (2 - c), front = std::sin(angle) > 0 ? note : 0.0;
     const Wrench two = wrench(sheet(mesh), {.wind = wind}, {.density = 2.0}, {}).total();
-    const Wrench one = wrench(Surface(mesh), {.wind = wind}, {.density = 2.0}, {}).total();
+    const Wrench one = wrench(Surface(mesh, Surface::Sides::one), {.wind = wind}, {.density = 2.0}, {}).total();
     CHECK_THAT(two.force.z(), WithinAbs(std::sin(angle) > 0 ? -note : note, 1e-15));
     CHECK_THAT(one.force.z(), WithinAbs(-front, 1e-15));
     CHECK((two.torque - Vector3d(2.0 / 3, 1.0 / 3, 0).cross(two.force)).norm() < 1e-15);

@@ -75,8 +75,8 @@ TEST_CASE("leeward faces feel no windward pressure, so that winding matters", "[
   CHECK_THAT(coefficient(Box{0.01, 1, 1}, 2, {}, 1.0).x(), WithinAbs(1.0, 1e-12));
   // One-sided triangles turned away from the wind are not there.
   TriangleMesh sheet = triangulate(Plate{1.0, 1.0, 0.0}, 2);
-  CHECK(wrench(Surface(sheet), {.wind = Vector3d(0, 0, 1)}, {}, {}).total().force.isZero(0.0));
-  CHECK(wrench(Surface(sheet), {.wind = Vector3d(0, 0, -1)}, {.density = 2.0}, {}).total().force.isApprox(Vector3d(0, 0, -1), 1e-14));
+  CHECK(wrench(Surface(sheet, Surface::Sides::one), {.wind = Vector3d(0, 0, 1)}, {}, {}).total().force.isZero(0.0));
+  CHECK(wrench(Surface(sheet, Surface::Sides::one), {.wind = Vector3d(0, 0, -1)}, {.density = 2.0}, {}).total().force.isApprox(Vector3d(0, 0, -1), 1e-14));
 }
 
 TEST_CASE("base suction pulls leeward faces downstream and is kept apart", "[law][sign]") {

@@ -51,6 +51,53 @@ TEST_CASE("what is odd about a mesh is found and said", "[mesh][hard]") {
   }
 }
 
+TEST_CASE("a sheet feels the air on both sides and a body on its outer one, found from the mesh", "[mesh][limit]") {
+  const auto sides = [](const TriangleMesh& mesh) { return Surface(mesh).sides; };
+  const TriangleMesh sheet = triangulate(Plate{1.0, 1.0, 0.0}, 2), box = triangulate(Box{}, 4);
+  CHECK(sides(sheet) == Surface::Sides::two);
+  CHECK_THAT(inspect(sheet).hole_area, WithinRel(1.0, 1e-14));
+  CHECK(sides(box) == Surface::Sides::one);
+  CHECK(inspect(box).hole_area == 0.0);
+  CHECK(sides(TriangleMesh{}) == Surface::Sides::one);
+  // What matters: a sheet feels the wind whichever way it is wound.
+  const Wrench front = wrench(Surface(sheet), {.wind = {0, 0, 1}}, {}, {}).total(), back = wrench(Surface(sheet), {.wind = {0, 0, -1}}, {}, {}).total();
+  CHECK_THAT(front.force.z(), WithinRel(0.5 * 1.225, 1e-14));
+  CHECK(back.force == -front.force);
+
+  // Cracks leave a body a body, of the same volume and without a word about them in the force; a missing wall does not.
+  TriangleMesh cracked = box, lidless = box;
+  cracked.triangles.erase(cracked.triangles.begin() + 40, cracked.triangles.begin() + 42);
+  CHECK(inspect(cracked).encloses);
+  CHECK_FALSE(inspect(cracked).closed);
+  CHECK_THAT(inspect(cracked).hole_area, WithinRel(1.0 / 16.0, 1e-13));
+  CHECK_THAT(Surface(cracked).volume, WithinRel(1.0, 1e-13));
+  CHECK(sides(cracked) == Surface::Sides::one);
+  CHECK(describe(inspect(cracked)).find("a body with holes of 0.0625 m^2") != std::string::npos);
+  lidless.triangles.resize(lidless.triangles.size() - 32);
+  CHECK_THAT(inspect(lidless).hole_area, WithinRel(1.0, 1e-13));
+  CHECK(sides(lidless) == Surface::Sides::two);
+  CHECK(describe(inspect(lidless)).find("an open sheet") != std::string::npos);
+  CHECK(Surface(lidless, Surface::Sides::one).sides == Surface::Sides::one);
+  for (auto& t : cracked.triangles) std::swap(t[0], t[1]);
+  CHECK_THROWS_WITH(Surface(cracked), Catch::Contains("inside out"));
+
+  // Two cubes that touch in an edge, and a cube with a wall inside: bodies of volume 2 and 1.
+  TriangleMesh two = triangulate(Box{}, 1);
+  const TriangleMesh other = transformed(two, Matrix3d::Identity(), Vector3d(1, 1, 0));
+  for (const auto& t : other.triangles) two.triangles.push_back(t + Eigen::Vector3i::Constant(static_cast<int>(two.vertices.size())));
+  two.vertices.insert(two.vertices.end(), other.vertices.begin(), other.vertices.end());
+  CHECK(inspect(two).non_manifold_edges == 1);
+  CHECK(sides(two) == Surface::Sides::one);
+  CHECK_THAT(Surface(two).volume, WithinRel(2.0, 1e-13));
+  TriangleMesh walled = triangulate(Box{}, 2);
+  const TriangleMesh wall = triangulate(Plate{1.0, 1.0, 0.0}, 2);
+  for (const auto& t : wall.triangles) walled.triangles.push_back(t + Eigen::Vector3i::Constant(static_cast<int>(walled.vertices.size())));
+  walled.vertices.insert(walled.vertices.end(), wall.vertices.begin(), wall.vertices.end());
+  CHECK(inspect(walled).boundary_edges == 0);
+  CHECK(sides(walled) == Surface::Sides::one);
+  CHECK_THAT(Surface(walled).volume, WithinRel(1.0, 1e-13));
+}
+
 TEST_CASE("a needle of 1 : 1e6 is a triangle, not a fault", "[mesh][hard]") {
   CHECK_FALSE(is_degenerate(Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0.5, 1e-6, 0)));
   CHECK_FALSE(is_degenerate(1e-160 * Vector3d(0, 0, 0), 1e-160 * Vector3d(1, 0, 0), 1e-160 * Vector3d(0, 1, 0)));

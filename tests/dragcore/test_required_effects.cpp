@@ -26,7 +26,7 @@ std::vector<Effect> every_effect() {
 
 TEST_CASE("a scene without an effect's cause does not call for it, and says why", "[effects][limit]") {
   const Surface cube = zoo::surface(Box{}, 2);
-  const auto found = required_effects({.surface = cube, .motion = {.wind = {10.0, 0.0, 0.0}}, .model = {.law = note_law()}});
+  const auto found = required_effects({.surface = cube, .motion = {.wind = {10.0, 0.0, 0.0}}, .free = false, .model = {.law = note_law()}});
   CHECK(found.effects.empty());  // the note's law in a uniform wind without spin: windward pressure alone
   for (const Effect effect : every_effect()) {
     CHECK(need(found, effect).force == 0.0);
@@ -46,9 +46,33 @@ TEST_CASE("spin, pillow, a vortex and a law with many terms are called for", "[e
   CHECK(found.wind_sampling != WindSampling::constant);
 
   // A slow spin costs less than the tolerance: not called for.
-  const auto slow = required_effects({.surface = cube, .motion = {.wind = {3.0, 0.0, 0.0}, .angular_velocity = {0.0, 0.0, 1e-4}}});
+  const auto slow = required_effects({.surface = cube, .motion = {.wind = {3.0, 0.0, 0.0}, .angular_velocity = {0.0, 0.0, 1e-4}}, .free = false});
   CHECK_FALSE(slow.effects.has(Effect::spin));
   CHECK(need(slow, Effect::spin).force > 0.0);
+}
+
+TEST_CASE("a free body keeps what brakes the motions it may come to", "[effects][limit]") {
+  const Surface paper(triangulate(Plate{0.2, 0.2, 0.0}, 2)), cube = zoo::surface(Box{}, 2);
+  // Broadside without spin, now. It may turn and glide edge-on next.
+  const Motion falling{.velocity = {0.0, 0.0, -3.0}};
+  const auto held = required_effects({.surface = paper, .motion = falling, .free = false, .model = model_for(paper), .tolerance = 0.1});
+  CHECK_FALSE(held.effects.has(Effect::spin));
+  CHECK_FALSE(held.effects.has(Effect::friction));
+  const auto free = required_effects({.surface = paper, .motion = falling, .model = model_for(paper), .tolerance = 0.1});
+  CHECK(free.effects.has(Effect::spin));
+  CHECK(free.effects.has(Effect::friction));
+  CHECK(need(free, Effect::spin).why.find("a free body") != std::string::npos);
+  CHECK(need(free, Effect::friction).why.find("0 m^2") != std::string::npos);
+  // A cube has a front of one face however it turns: its friction can be too small to count.
+  CHECK_FALSE(required_effects({.surface = cube, .motion = falling, .model = {.law = sheet_law()}, .tolerance = 0.2}).effects.has(Effect::friction));
+  // Nor does it stay where the wind is even.
+  const Wind far({{.name = "v", .field = VortexField{.circulation = 30.0}, .placement = {.position = {200.0, 0.0, 0.0}}, .fade_radius = 50.0}});
+  CHECK(required_effects({.surface = cube, .motion = falling, .wind = &far}).effects.has(Effect::wind_variation));
+  CHECK_FALSE(required_effects({.surface = cube, .motion = falling, .free = false, .wind = &far}).effects.has(Effect::wind_variation));
+  // What the model has switched off stays so.
+  Model without = model_for(paper);
+  without.effects = Effects::all().without(Effect::spin | Effect::friction);
+  CHECK((required_effects({.surface = paper, .motion = falling, .model = without}).effects & (Effect::spin | Effect::friction)).empty());
 }
 
 TEST_CASE("small triangles make the note's pillow not worth its cost", "[effects][limit]") {

@@ -1,6 +1,7 @@
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <dragcore/fluid_terms.hpp>
 #include <dragcore/stepping.hpp>
 
 #include "tests/support/zoo.hpp"
@@ -129,6 +130,44 @@ TEST_CASE("the secant step solves straight fall along the flow exactly", "[stepp
   const double k = 0.5 * 1.225 * 0.01 / foam.body.mass;
   const Vector6d v = step_secant_implicit(resistance(zoo::surface(foam.shape, 1), motion, {}, {}), foam.body, motion, Vector6d::Zero(), 0.5);
   CHECK_THAT(v[0], WithinRel(8.0 / (1 + k * 8.0 * 0.5), 1e-12));
+}
+
+TEST_CASE("air carried along slows a light body's start, changes no terminal velocity and keeps the bound of energy", "[stepping][analytic]") {
+  // A balloon of 0.3 m: its air weighs 17 g, half of which it carries along.
+  const double a = 0.15, rho = 1.225, m = 0.005, carried = rho * 2.0 / 3.0 * std::numbers::pi * a * a * a;
+  MassProperties balloon{m, 0.4 * m * a * a * Eigen::Matrix3d::Identity()};
+  balloon.added = added_mass({.shape = {a, a, a}}, Vector3d::Zero(), {.density = rho});
+  CHECK_THAT(balloon.matrix()(2, 2), WithinRel(m + carried, 1e-12));
+  const Surface surface = zoo::surface(Sphere{.diameter = 2 * a}, 6);
+  const Model model = model_for(surface);
+  const Vector6d lift = six({0, 0, (2.0 * carried - m) * 9.81}, Vector3d::Zero());
+  const double dt = 1e-6;  // drag of the start is of order dt^2
+  const Vector6d started = step_secant_implicit(resistance(surface, {}, {rho}, model), balloon, {}, lift, dt);
+  CHECK_THAT(started[2] / dt, WithinRel(lift[2] / (m + carried), 1e-9));
+  MassProperties bare = balloon;
+  bare.added.setZero();
+  Motion with, without;
+  const auto step = [&](Motion& motion, const MassProperties& body) {
+    const Vector6d v = step_secant_implicit(resistance(surface, motion, {rho}, model), body, motion, lift, 0.05);
+    motion.velocity = v.head<3>(), motion.angular_velocity = v.tail<3>();
+  };
+  for (int i = 0; i < 2000; ++i) step(with, balloon), step(without, bare);
+  CHECK_THAT(with.velocity.z(), WithinRel(without.velocity.z(), 1e-9));  // both have come to rest on their fixed point
+  // Of body and carried air, with any symmetric added mass.
+  zoo::Random random(47);
+  for (const Light& light : bodies())
+    for (const double dt_long : {1.0 / 240, 1.0 / 15, 1.0, 100.0}) {
+      MassProperties body = light.body;
+      body.added = added_mass({.shape = {0.05, 0.05, 0.002}, .axes = random.rotation()}, random.vector(0.02), {});
+      const Motion motion = random.motion(8.0, 20.0);
+      const Surface there = zoo::surface(light.shape, 2);
+      Motion here = motion;
+      here.reference_point.setZero();
+      const Vector6d before = of(here) - air(here), v = step_secant_implicit(resistance(there, here, {}, model), body, here, Vector6d::Zero(), dt_long) - air(here);
+      CHECK(energy(body, v) <= energy(body, before) * (1 + 1e-12));  // rounding
+    }
+  balloon.added(0, 0) = -1.0;
+  CHECK_THROWS_WITH(balloon.matrix(), Catch::Contains("added mass") && Catch::Contains("positive semidefinite"));
 }
 
 TEST_CASE("mass properties and time steps out of range are refused", "[stepping][hard]") {

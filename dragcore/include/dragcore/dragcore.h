@@ -4,7 +4,7 @@
 /* dragcore for C and for everything that can call C. SI units; body frame; docs/conventions.md.
  *
  * Functions return DRAGCORE_OK or an error; dragcore_last_error() then says, for the calling thread, what was found and what is needed.
- * A surface may be used by any number of threads at once. The library is C++ inside: link with the C++ runtime too (-lstdc++, or let a C++ linker do it).
+ * A surface may be used by any number of threads at once. The library is C++ inside: link with -lstdc++ -lm, too, or let a C++ linker do it.
  * Matrices are row by row; a symmetric one reads the same either way. */
 
 #include <stddef.h>
@@ -20,6 +20,9 @@ typedef enum dragcore_status {
 } dragcore_status;
 
 typedef struct dragcore_surface dragcore_surface; /* a mesh prepared for drag */
+
+/* Faces of a triangle that feel the air: the outer one of a body, both of a sheet. Automatic: two where the mesh is open. */
+typedef enum dragcore_sides { DRAGCORE_SIDES_AUTOMATIC = 0, DRAGCORE_ONE_SIDED = 1, DRAGCORE_TWO_SIDED = 2 } dragcore_sides;
 
 typedef enum dragcore_body_class { DRAGCORE_SHEET = 0, DRAGCORE_SHARP = 1, DRAGCORE_SMOOTH = 2 } dragcore_body_class;
 
@@ -72,6 +75,7 @@ typedef struct dragcore_wrench {
 typedef struct dragcore_body {
   double mass;       /* [kg] */
   double inertia[9]; /* about reference_point, which must be the centre of mass; body axes [kg m^2] */
+  double added_mass[36]; /* of the air carried along, for light bodies; zeros: none [kg, kg m, kg m^2] */
 } dragcore_body;
 
 /* The note's law, no pillow, three points. */
@@ -83,12 +87,14 @@ dragcore_status dragcore_named_law(const char* name, dragcore_law* law);
 /* What validation found best for the class of a surface: law, pillow, three points. */
 dragcore_status dragcore_model_for(const dragcore_surface* surface, dragcore_model* model);
 
-/* vertices: 3 * vertex_count coordinates; triangles: 3 * triangle_count indices, counterclockwise from outside; two_sided: not 0 for sheets.
+/* vertices: 3 * vertex_count coordinates; triangles: 3 * triangle_count indices, counterclockwise from outside; sides: one of enum dragcore_sides.
  * Both arrays are copied. *surface is to be given to dragcore_surface_destroy(), and is NULL after an error. */
-dragcore_status dragcore_surface_create(const double* vertices, size_t vertex_count, const int* triangles, size_t triangle_count, int two_sided,
+dragcore_status dragcore_surface_create(const double* vertices, size_t vertex_count, const int* triangles, size_t triangle_count, int sides,
                                         dragcore_surface** surface);
 void dragcore_surface_destroy(dragcore_surface* surface); /* NULL is allowed */
 
+/* What was found or asked for: one-sided or two-sided. */
+dragcore_status dragcore_surface_sides(const dragcore_surface* surface, dragcore_sides* sides);
 dragcore_status dragcore_surface_class(const dragcore_surface* surface, dragcore_body_class* body_class);
 
 /* Force and torque of the air; see wrench() in dragcore/drag.hpp. */
@@ -109,6 +115,10 @@ dragcore_status dragcore_step_secant_implicit(const double matrix[36], const dra
                                               double dt, double velocity[3], double angular_velocity[3]);
 dragcore_status dragcore_step_scalar_implicit(const double matrix[36], const dragcore_body* body, const dragcore_motion* motion, const dragcore_wrench* external,
                                               double dt, double velocity[3], double angular_velocity[3]);
+
+/* Added mass about the centre of an ellipsoid with semi-axes along the body's, for dragcore_body: added_mass() in dragcore/fluid_terms.hpp.
+ * A sheet is about an ellipsoid of its area with one short semi-axis. */
+dragcore_status dragcore_ellipsoid_added_mass(const double semi_axes[3], double density, double matrix[36]);
 
 /* Share in [0, 1] of the impulse dt * wrench that may be applied: impulse_share(). */
 dragcore_status dragcore_impulse_share(const dragcore_wrench* wrench, const dragcore_body* body, const dragcore_motion* motion, double dt, double* share);

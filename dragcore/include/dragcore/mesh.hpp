@@ -23,9 +23,11 @@ struct MeshProperties {
   int inconsistent_edges = 0;    ///< edges that both neighbours run through in the same direction
   bool closed = false;           ///< no boundary and no non-manifold edge
   bool consistently_wound = false;
-  bool inside_out = false;       ///< closed and consistently wound, but with negative volume: normals point inwards
+  double hole_area = 0.0;        ///< spanned by the loops of the boundary: 0 when closed, the whole area for a flat sheet [m^2]
+  bool encloses = false;         ///< a body: without boundary, or with holes of at most a twentieth of its area. Not so: a sheet
+  bool inside_out = false;       ///< a consistently wound body with negative volume: normals point inwards
   double area = 0.0;             ///< [m^2]
-  double volume = 0.0;           ///< [m^3], signed; meaningful for a closed mesh
+  double volume = 0.0;           ///< [m^3], signed, holes capped flat; meaningful for a body
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();  ///< of the volume when closed, else of the area [m]
 };
 

@@ -14,11 +14,16 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;  ///< linear, then angular part
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// Mass properties about the centre of mass, which must be `motion.reference_point`; axes of the body frame.
+/// `added` is for bodies so light that the air they carry along counts: a sheet of paper moves several times its own mass of it. Munk's moment of that air
+/// is a steady one, part of what a pillow was fitted to: do not add munk_wrench() to a model with a pillow.
 struct MassProperties {
   double mass = 1.0;                                          ///< [kg]
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();      ///< [kg m^2], symmetric, positive definite
 
-  Matrix6d matrix() const;  ///< diag(m, m, m, I). @throws std::invalid_argument when mass or inertia is not positive or not finite
+  Matrix6d added = Matrix6d::Zero();                          ///< added mass: added_mass() of fluid_terms.hpp [kg, kg m, kg m^2]
+
+  /// diag(m, m, m, I) + added. @throws std::invalid_argument when mass or inertia is not positive, added mass is negative, or anything not finite or not symmetric
+  Matrix6d matrix() const;
 };
 
 /// Secant matrix S of the drag at this motion: the wrench is exactly S (V_air - V), with V = (velocity, angular_velocity), V_air = (wind, 0).

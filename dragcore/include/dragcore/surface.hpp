@@ -21,13 +21,13 @@ struct Patch {
 /// Triangles without area are dropped: they carry no force.
 class Surface {
  public:
-  enum class Sides { one, two };
+  /// Faces of a triangle that feel the air: the outer one of a body, both of a sheet. `automatic` finds out which it is: MeshProperties::encloses.
+  /// A body with larger holes (a car without its floor, say) counts as a sheet unless told, and then its far walls feel the wind from inside.
+  enum class Sides { automatic = 0, one = 1, two = 2 };
 
-  /// @param mesh   body frame; wound outwards when closed
-  /// @param sides  `two` for sheets: both faces of every triangle feel the air
-  /// @throws std::invalid_argument  as validate(mesh) does; for a closed one-sided mesh that is inside out, or one with inconsistent winding and one side:
-  ///                                the message says how to repair it
-  explicit Surface(const TriangleMesh& mesh, Sides sides = Sides::one);
+  /// @param mesh  body frame; a body's triangles are wound outwards
+  /// @throws std::invalid_argument  as validate(mesh) does; for a one-sided mesh that is inside out or inconsistently wound: the message says how to repair it
+  explicit Surface(const TriangleMesh& mesh, Sides sides = Sides::automatic);
 
   Eigen::Index size() const { return area.size(); }
   bool two_sided() const { return sides == Sides::two; }
@@ -41,10 +41,10 @@ class Surface {
   Eigen::Array<double, Eigen::Dynamic, 6> curvature;
   std::vector<int> patch;    ///< index into `patches` of every triangle
   std::vector<Patch> patches;
-  Sides sides = Sides::one;
+  Sides sides = Sides::one;  ///< never `automatic`
 
   double total_area = 0.0;  ///< of one side [m^2]
-  double volume = 0.0;      ///< 0 unless closed and one-sided [m^3]
+  double volume = 0.0;      ///< of a one-sided body, holes capped flat; 0 of a sheet [m^3]
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< centroid of the area [m]
   double radius = 0.0;      ///< from `centre` to the farthest corner [m]
   BodyClass body_class = BodyClass::sheet;  ///< as found; overwrite it where you know better: only law_for() reads it

@@ -1,0 +1,24 @@
+# Installs dragcore from the build folder BUILD into WORK, then configures, builds and runs its examples against that copy, as a stranger would.
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result)
+  if(result)
+    message(FATAL_ERROR "failed: ${ARGN}")
+  endif()
+endfunction()
+
+file(REMOVE_RECURSE ${WORK})
+run(${CMAKE_COMMAND} --install ${BUILD}/dragcore --prefix ${WORK}/prefix)
+# The library alone must not ask for what the file readers need. The sources are the installed ones, too.
+set(settings -DCMAKE_BUILD_TYPE=Release -DCMAKE_DISABLE_FIND_PACKAGE_assimp=ON -DCMAKE_DISABLE_FIND_PACKAGE_HDF5=ON -DCMAKE_PREFIX_PATH=${WORK}/prefix)
+run(${CMAKE_COMMAND} -S ${WORK}/prefix/share/dragcore/examples -B ${WORK}/build ${settings} "-DCMAKE_CXX_FLAGS=${FLAGS}")
+run(${CMAKE_COMMAND} --build ${WORK}/build)
+foreach(program first_force falling_paper falling_paper_c)
+  run(${WORK}/build/${program})
+endforeach()
+
+# A project without C++ is told what it lacks.
+file(WRITE ${WORK}/c_alone/CMakeLists.txt "cmake_minimum_required(VERSION 3.22)\nproject(c_alone LANGUAGES C)\nfind_package(dragcore REQUIRED)\n")
+execute_process(COMMAND ${CMAKE_COMMAND} -S ${WORK}/c_alone -B ${WORK}/c_alone/build ${settings} RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE message)
+if(NOT result OR NOT message MATCHES "LANGUAGES C CXX")
+  message(FATAL_ERROR "a project in C alone is not told to enable CXX: ${message}")
+endif()
