@@ -51,7 +51,7 @@ class Scratch {
 /// One evaluation on whatever mesh a file held, with every effect that a law can have, from an oblique wind and with spin.
 inline void evaluate(const dragcore::TriangleMesh& mesh) {
   using namespace dragcore;
-  for (const Surface::Sides sides : {Surface::Sides::one, Surface::Sides::two}) {
+  for (const Surface::Sides sides : {Surface::Sides::automatic, Surface::Sides::one, Surface::Sides::two}) {
     try {
       const Surface surface(mesh, sides);
       Model model = model_for(surface);
