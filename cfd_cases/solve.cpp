@@ -317,7 +317,7 @@ class Solver {
           folder,
           {{"system/mapFieldsDict",
             "FoamFile { version 2.0; format ascii; class dictionary; object mapFieldsDict; }\npatchMap ();\ncuttingPatches ();\n"}});
-      return require(run(folder, {"mapFields", source.string(), "-sourceTime", "0"}, cost), "mapFields", folder);
+      return require(run(folder, {"mapFields", fs::absolute(source).string(), "-sourceTime", "0"}, cost), "mapFields", folder);
     }
     for (const char* name : kFields) {
       const fs::path file = folder / "0" / name;
