@@ -158,6 +158,7 @@ MeshProperties inspect(const TriangleMesh& mesh) {
 }
 
 std::string describe(const MeshProperties& p) {
+  if (p.triangles == 0) return "no triangles";
   std::ostringstream text;
   text << p.triangles << " triangles, ";
   if (p.closed)

@@ -107,6 +107,7 @@ TEST_CASE("a needle of 1 : 1e6 is a triangle, not a fault", "[mesh][hard]") {
 TEST_CASE("an empty mesh is open, without area, and feels nothing", "[mesh][limit]") {
   const TriangleMesh empty;
   CHECK_FALSE(inspect(empty).closed);
+  CHECK(describe(inspect(empty)) == "no triangles");
   const Wrench total = wrench(Surface(empty), {.wind = Vector3d(1, 2, 3)}, {}, {}).total();
   CHECK(total.force.isZero(0.0));
   CHECK(total.torque.isZero(0.0));
