@@ -126,8 +126,9 @@ GridStudy grid_study(const std::vector<double>& cells, const std::vector<double>
   const double order = free ? free->order : 0.0;
   const bool in_range = free && order >= 0.5 && order <= 2.0;
   const bool blind = n == 3;
-  if (blind && !in_range) {
-    // Three meshes cannot tell scatter from a trend of unknown order: three times their range, a 95 % figure.
+  if (blind && !in_range && !(free && order > 2.0)) {
+    // Three meshes cannot tell scatter from a trend of unknown order: three times their range, a 95 % figure. A fall steeper than the scheme's order is
+    // taken for one of that order below, which leaves more to go.
     study.uncertainty = 3.0 * range / 2.0;
     study.extrapolated = finest;
     study.branch = free ? fmt::format("data range: order {:.2f} of three meshes is outside [0.5, 2]", order)
@@ -155,8 +156,9 @@ GridStudy grid_study(const std::vector<double>& cells, const std::vector<double>
   const double spread = 1.0 / (static_cast<double>(n) - 1.0);  // range / (n - 1), what the standard deviation is held against
   const bool trusted = !blind && (in_range || (free && order <= 2.1 && order >= 0.5)) && fit.deviation < spread;
   const double safety = trusted ? 1.25 : 3.0;
+  // Where scatter hides the trend an extrapolation may go anywhere: it counts up to what three meshes without a trend get.
   const double wide = fit.deviation < spread ? safety * fit.error + fit.deviation + std::abs(fit.residual)
-                                             : 3.0 * fit.deviation / spread * (fit.error + fit.deviation + std::abs(fit.residual));
+                                             : std::min(3.0, 3.0 * fit.deviation / spread * (fit.error + fit.deviation + std::abs(fit.residual)));
   study.uncertainty = range * wide / 2.0;  // the procedure's figure covers 95 %
   study.extrapolated = finest + range * fit.at_zero;
   study.branch =
@@ -280,7 +282,7 @@ Eigen::Vector3d exposure(const CaseRecord& record) {
 std::optional<Carried> nearest_representative(const CaseFamily& family, const std::vector<const CaseFamily*>& representatives) {
   const CaseRecord& record = *family.record;
   std::optional<Carried> best;
-  double nearest = -1.0;  // cosine of the angle between exposures
+  double nearest = -2.0;  // cosine of the angle between exposures, 3 more for the same body
   for (const CaseFamily* candidate : representatives) {
     const CaseRecord& other = *candidate->record;
     if (dragcore::kind(other.shape) != dragcore::kind(record.shape) || other.flow_model != record.flow_model ||
@@ -289,10 +291,10 @@ std::optional<Carried> nearest_representative(const CaseFamily& family, const st
     const auto carried = carried_from(*candidate, record.mesh_level);
     if (!carried) continue;
     constexpr double same = 1e-6;  // a pose half way between two takes the worse
-    const double cosine = exposure(record).dot(exposure(other));
-    if (best && (cosine < nearest - same || (cosine < nearest + same && carried->force <= best->force))) continue;
+    const double closeness = exposure(record).dot(exposure(other)) + (other.surface_checksum == record.surface_checksum ? 3.0 : 0.0);
+    if (best && (closeness < nearest - same || (closeness < nearest + same && carried->force <= best->force))) continue;
     best = carried;
-    nearest = cosine;
+    nearest = closeness;
   }
   return best;
 }

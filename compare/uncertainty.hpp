@@ -19,7 +19,7 @@ struct GridStudy {
 
 /// Least-squares procedure of Eca and Hoekstra (2014): fit phi = phi_0 + alpha h^p, weighted and not, with fall-backs on fixed orders when
 /// p is outside [0.5, 2], and a safety factor 1.25 or 3. Differs: three meshes leave no freedom to see scatter, so they always get the
-/// factor 3, and the range of the data where p is not in [0.5, 2].
+/// factor 3, and three times the range of the data where p is below 0.5 or there is none; which also is the most that four or more get where scatter hides the trend.
 /// @param cells   number of cells of each mesh; the cell size is cells^(-1/3)
 /// @param values  same order
 /// @throws std::invalid_argument  fewer than three meshes, sizes that do not match, or two meshes less than 5 % apart in cell size
@@ -72,7 +72,7 @@ std::optional<LoadUncertainty::Channels> discretisation_at(const CaseFamily& fam
 /// Groups records that differ in nothing but the mesh level, in order of name. Pointers into `records`.
 ///
 /// The discretisation uncertainty comes from grid_study() where three or more levels are usable. Elsewhere it is carried from the
-/// representative family (three levels, same kind of shape, flow model and spin, no variant) whose wind, or axis of spin, is nearest in the
+/// representative family (three levels, same body or else kind of shape, flow model and spin, no variant) whose wind, or axis of spin, is nearest in the
 /// body's frame: the distance of its mesh of the same level from its finest and the u of the finest, relative to
 /// max(|C| of the channel, 0.3 of the force, or 0.1 for a moment); and two usable levels give two_grid_study(), never less than what is carried.
 /// docs/conventions.md, "Uncertainty".

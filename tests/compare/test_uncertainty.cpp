@@ -52,6 +52,14 @@ TEST_CASE("three meshes are trusted less than four", "[compare][limit]") {
   CHECK_THAT(study.branch, Contains("safety factor 3"));
 }
 
+TEST_CASE("three meshes that fall faster than the scheme can are taken to fall at its order, which leaves more to go", "[compare][limit]") {
+  const auto [cells, values] = series(1.0, 0.004, 3.0, {1.0, 1.5, 2.25});
+  const auto study = grid_study(cells, values);
+  CHECK_THAT(study.branch, Contains("second-order fit") && Contains("observed order 3.0") && Contains("safety factor 3"));
+  CHECK(2.0 * study.uncertainty > 3.0 * 0.004);  // wider than three times the true error on the finest mesh
+  CHECK(2.0 * study.uncertainty < 3.0 * (values[2] - values[0]));  // and narrower than what three meshes without a trend get
+}
+
 TEST_CASE("three meshes that oscillate get three times their range", "[compare][limit]") {
   const auto study = grid_study({1e5, 3e4, 1e4}, {1.00, 1.02, 1.01});
   CHECK(2.0 * study.uncertainty == Approx(3.0 * 0.02).epsilon(1e-12));
@@ -68,6 +76,10 @@ TEST_CASE("an order above two falls back on fixed orders with the large safety f
 TEST_CASE("scatter beyond the data spread widens the uncertainty beyond the range", "[compare][limit]") {
   const auto study = grid_study({1e5, 5e4, 2.5e4, 1.2e4, 6e3}, {1.00, 1.05, 0.97, 1.04, 0.99});
   CHECK(2.0 * study.uncertainty > 0.08);
+  // Nothing but scatter: never more than three meshes without a trend get, three times the range.
+  const auto wild = grid_study({1e5, 5e4, 2.5e4, 1.2e4}, {1.00, 1.08, 1.00, 1.08});
+  CHECK_THAT(wild.branch, Contains("scatter above the data spread"));
+  CHECK(2.0 * wild.uncertainty <= 3.0 * 0.08 * (1 + 1e-12));
 }
 
 TEST_CASE("equal values on all meshes have no discretisation uncertainty", "[compare][limit]") {
@@ -159,6 +171,25 @@ TEST_CASE("a case on one mesh carries the error that its level has in the neares
   CHECK(part_of_mesh(family, 2) == Approx(ratio * 0.3 * force).epsilon(1e-3));
   CHECK(part_of_mesh(family, 5) == Approx(ratio * 0.1 * force).epsilon(1e-3));  // and no moment is surer than the force
   CHECK_THAT(family.uncertainty.branches[0], Contains("carried from cube_yaw-45_re-1e5 medium: 3 %"));
+}
+
+TEST_CASE("what is carried comes from the same body, if it can, before it comes from the nearest pose", "[compare][limit]") {
+  auto records = three_cubes_at_45();
+  auto long_box = sample::record("box_yaw-30_re-1e5", dragcore::Box{.length = 4.0}, {.yaw = 30 * sample::deg}, "medium", 90000);
+  long_box.surface_checksum = "a long box";
+  for (auto& cube_record : records) cube_record.shape = dragcore::Box{.length = 2.0}, cube_record.surface_checksum = "a box";
+  records.push_back(long_box);
+  const auto nearest = compare::case_families(records);
+  CHECK_THAT(family_at(nearest, "box_yaw-30_re-1e5").uncertainty.branches[0], Contains("carried from cube_yaw-45"));
+  for (auto [level, cells, drag] : {std::tuple("coarse", 12500, 1.08), {"medium", 100000, 1.04}, {"fine", 800000, 1.02}}) {
+    auto other = sample::record("box_yaw-90_re-1e5", dragcore::Box{.length = 4.0}, {.yaw = 90 * sample::deg}, level, cells);
+    other.surface_checksum = "a long box";
+    other.load = {};
+    other.load.force_pressure = Eigen::Vector3d(drag, 0, 0) * compare::coefficient_scales(other)[0];
+    records.push_back(other);
+  }
+  const auto same = compare::case_families(records);
+  CHECK_THAT(family_at(same, "box_yaw-30_re-1e5").uncertainty.branches[0], Contains("carried from box_yaw-90"));
 }
 
 TEST_CASE("a family of three levels does not change when others carry from it", "[compare][invariance]") {
