@@ -47,13 +47,10 @@ int main(void) {
     dragcore_wrench external;
     memset(&motion, 0, sizeof motion);
     rotate(rotation, velocity, 1, motion.velocity);
-    rotate(rotation, spin, 1, motion.angular_velocity);
+    rotate(rotation, spin, 1, W);
     rotate(rotation, weight, 1, external.force);
-    { /* The gyroscopic torque (I w) x w. */
-      const double *w = motion.angular_velocity, L[3] = {body.inertia[0] * w[0], body.inertia[4] * w[1], body.inertia[8] * w[2]};
-      external.torque[0] = L[1] * w[2] - L[2] * w[1], external.torque[1] = L[2] * w[0] - L[0] * w[2], external.torque[2] = L[0] * w[1] - L[1] * w[0];
-    }
-    if (failed(dragcore_resistance(sheet, &motion, density, &model, S)) || failed(dragcore_step_secant_implicit(S, &body, &motion, &external, dt, V, W))) return 1;
+    external.torque[0] = external.torque[1] = external.torque[2] = 0;
+    if (failed(dragcore_gyroscopic_spin(&body, W, dt, motion.angular_velocity)) || failed(dragcore_resistance(sheet, &motion, density, &model, S)) || failed(dragcore_step_secant_implicit(S, &body, &motion, &external, dt, V, W))) return 1;
     rotate(rotation, V, 0, velocity);
     rotate(rotation, W, 0, spin);
     for (i = 0; i < 3; ++i) position[i] += dt * velocity[i], W[i] = dt * spin[i];

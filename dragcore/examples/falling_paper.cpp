@@ -50,14 +50,14 @@ int main() {
 
     // Into the body frame, with the cheapest sampling of the wind within 0.1 m/s.
     const Matrix3d to_world = rotation.toRotationMatrix(), to_body = to_world.transpose();
-    dragcore::Motion motion{.velocity = to_body * velocity, .angular_velocity = to_body * spin};
+    dragcore::Motion motion{.velocity = to_body * velocity, .angular_velocity = gyroscopic_spin(body, to_body * spin, dt)};
     const auto here = dragcore::BodyWind::within(wind, surface, {position, to_world}, motion.reference_point, 0.1);
     here.apply_to(motion);
 
-    // What acts beside the drag: weight, the gyroscopic torque, and what the secant matrix misses where the wind varies over the body.
+    // What acts beside the drag: weight, and what the secant matrix misses where the wind varies over the body.
     const dragcore::Matrix6d S = resistance(surface, motion, medium, model);  // drag = S (V_air - V)
     dragcore::Vector6d external;
-    external << to_body * Vector3d(0, 0, -9.81 * mass), -motion.angular_velocity.cross(body.inertia * motion.angular_velocity);
+    external << to_body * Vector3d(0, 0, -9.81 * mass), Vector3d::Zero();
     if (here.sampling() != dragcore::WindSampling::constant) external += wind_excess(wrench(surface, motion, medium, model).total(), S, motion);
 
     const dragcore::Vector6d V = step_secant_implicit(S, body, motion, external, dt);  // new velocity and spin; the drag never adds energy

@@ -239,6 +239,27 @@ dragcore_status dragcore_ellipsoid_added_mass(const double semi_axes[3], double 
   });
 }
 
+dragcore_status dragcore_gyroscopic_spin(const dragcore_body* body, const double angular_velocity[3], double dt, double spin[3]) {
+  return guarded([&] {
+    require(body, "body");
+    require(angular_velocity, "angular_velocity");
+    require(spin, "spin");
+    Eigen::Map<Eigen::Vector3d>{spin} = dragcore::gyroscopic_spin(body_of(*body), Eigen::Map<const Eigen::Vector3d>(angular_velocity), dt);
+  });
+}
+
+dragcore_status dragcore_wind_excess(const dragcore_wrench* wrench, const double matrix[36], const dragcore_motion* motion, dragcore_wrench* excess) {
+  return guarded([&] {
+    require(wrench, "wrench");
+    require(matrix, "matrix");
+    require(motion, "motion");
+    require(excess, "excess");
+    const dragcore::Vector6d found = dragcore::wind_excess(wrench_of(*wrench), Eigen::Map<const RowMajor6d>(matrix), motion_of(*motion));
+    std::copy(found.data(), found.data() + 3, excess->force);
+    std::copy(found.data() + 3, found.data() + 6, excess->torque);
+  });
+}
+
 dragcore_status dragcore_impulse_share(const dragcore_wrench* wrench, const dragcore_body* body, const dragcore_motion* motion, double dt, double* share) {
   return guarded([&] {
     require(wrench, "wrench");

@@ -166,7 +166,7 @@ std::string describe(const MeshProperties& p) {
   else if (p.encloses)
     text << "a body with holes of " << p.hole_area << " m^2";
   else
-    text << "an open sheet";
+    text << "an open sheet (its boundary spans " << p.hole_area << " m^2: if walls of a body are missing, close them)";
   text << ", area " << p.area << " m^2";
   if (p.encloses) text << ", volume " << p.volume << " m^3";
   if (p.inside_out) text << "; inside out (normals point inwards)";

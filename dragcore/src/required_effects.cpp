@@ -86,6 +86,7 @@ RequiredEffects required_effects(const Scene& scene) {
   double uneven = motion.wind_gradient.norm() * arm + jump_of_field;
   for (const Vector3d& wind : motion.triangle_wind) uneven = std::max(uneven, (wind - motion.wind).norm());
   const double speed = travel + spin + uneven;
+  require(speed > 0.0 || surface.size() == 0, "required_effects: speed of the motion", speed, "give the largest speed and spin to expect: at rest nothing is needed, and nothing follows from it");
   const double q = 0.5 * scene.medium.density * speed * speed;
   const double area = surface.total_area;
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -43,17 +44,33 @@ bool feels_spin(const Model& model) { return model.effects.has(Effect::spin) && 
 }  // namespace
 
 Matrix6d MassProperties::matrix() const {
-  if (!(mass > 0.0) || !std::isfinite(mass)) throw std::invalid_argument("mass = " + std::to_string(mass) + " kg, but it must be finite and greater than 0");
+  if (!(mass > 0.0) || !std::isfinite(mass)) throw std::invalid_argument("body: mass = " + std::to_string(mass) + " kg, but it must be finite and greater than 0");
   if (!inertia.allFinite() || !inertia.isApprox(inertia.transpose(), 1e-9) || inertia.llt().info() != Eigen::Success)
-    throw std::invalid_argument("inertia must be finite, symmetric and positive definite; a flat body has a small but positive moment about every axis");
+    throw std::invalid_argument("body: inertia must be set, finite, symmetric and positive definite; a flat body has a positive moment about every axis");
+  if (const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
+      moments[2] > (moments[0] + moments[1]) * (1 + 1e-6))
+    throw std::invalid_argument("body: inertia has principal moments " + std::to_string(moments[0]) + ", " + std::to_string(moments[1]) + ", " +
+                                std::to_string(moments[2]) + " kg m^2, but of no body is one larger than the sum of the others");
   Matrix6d m = Matrix6d::Zero();
   m.topLeftCorner<3, 3>() = mass * Eigen::Matrix3d::Identity();
   m.bottomRightCorner<3, 3>() = inertia;
   if (added.isZero(0.0)) return m;
   const double rounding = 1e-9 * added.cwiseAbs().maxCoeff();
   if (!added.allFinite() || !added.isApprox(added.transpose(), 1e-9) || Eigen::SelfAdjointEigenSolver<Matrix6d>(added, Eigen::EigenvaluesOnly).eigenvalues()[0] < -rounding)
-    throw std::invalid_argument("added mass must be finite, symmetric and positive semidefinite, as added_mass() gives it");
+    throw std::invalid_argument("body: added mass must be finite, symmetric and positive semidefinite, as added_mass() gives it");
   return m + added;
+}
+
+Eigen::Vector3d gyroscopic_spin(const MassProperties& body, const Eigen::Vector3d& angular_velocity, double dt) {
+  check_step(dt, angular_velocity.allFinite());
+  const Eigen::Matrix3d inertia = body.matrix().bottomRightCorner<3, 3>();
+  // I (w' - w) = dt L x (w' + w)/2: whatever L is, a product with w' + w shows that energy stays. With L = I (w + w')/2 its size does, too.
+  Eigen::Vector3d spin = angular_velocity;
+  for (int iteration = 0; iteration < 4; ++iteration) {
+    const Eigen::Matrix3d turn = 0.5 * dt * cross_matrix(0.5 * inertia * (angular_velocity + spin));
+    spin = (inertia - turn).partialPivLu().solve((inertia + turn) * angular_velocity);
+  }
+  return spin;
 }
 
 Matrix6d resistance(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {

@@ -195,7 +195,7 @@ Surface::Surface(const TriangleMesh& mesh, Sides asked) : sides(asked) {
   }
 
   total_area = area.sum();
-  if (sides == Sides::one && found.encloses && found.consistently_wound) volume = std::max(0.0, found.volume);
+  if (sides == Sides::one && found.consistently_wound && found.volume > 1e-9 * std::pow(found.area, 1.5)) volume = found.volume;
   if (count > 0) centre = ((centroid.colwise() * area).colwise().sum() / total_area).matrix();
   for (Eigen::Index i = 0; i < count; ++i) {
     const Vector3d a = (centroid.row(i) - (edge_ab.row(i) + edge_ac.row(i)) / 3.0).matrix();

@@ -73,6 +73,13 @@ int main(void) {
     check(dragcore_ellipsoid_added_mass(ellipsoid, 1.2, paper.added_mass) == DRAGCORE_OK && fabs(paper.added_mass[14] / (8.0 / 3 * 1.2 * 0.56 * 0.56 * 0.56) - 1) < 0.01,
           "a thin ellipsoid carries as much air as a disc");
     check(dragcore_step_secant_implicit(s, &paper, &motion, &nothing, 0.01, velocity, spin) == DRAGCORE_OK && velocity[2] > 0.0 && velocity[2] < 3.0, "and starts slowly with it");
+    {
+      const double turning[3] = {3, 4, 5};
+      dragcore_wrench excess;
+      check(dragcore_gyroscopic_spin(&paper, turning, 0.01, spin) == DRAGCORE_OK && fabs(spin[2] - 5) < 1e-6 && spin[0] > 3.05, "spin goes on by inertia");
+      check(dragcore_evaluate(sheet, &motion, 1.2, &model, &wrench) == DRAGCORE_OK && dragcore_resistance(sheet, &motion, 1.2, &model, s) == DRAGCORE_OK &&
+                dragcore_wind_excess(&wrench, s, &motion, &excess) == DRAGCORE_OK && fabs(excess.force[2]) < 1e-9, "nothing is missing in a uniform wind");
+    }
     check(dragcore_step_secant_implicit(s, &paper, &motion, &nothing, -1.0, velocity, spin) == DRAGCORE_INVALID_ARGUMENT, "no step back in time");
   }
 

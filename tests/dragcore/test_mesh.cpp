@@ -78,6 +78,8 @@ TEST_CASE("a sheet feels the air on both sides and a body on its outer one, foun
   CHECK(sides(lidless) == Surface::Sides::two);
   CHECK(describe(inspect(lidless)).find("an open sheet") != std::string::npos);
   CHECK(Surface(lidless, Surface::Sides::one).sides == Surface::Sides::one);
+  CHECK_THAT(Surface(lidless, Surface::Sides::one).volume, WithinRel(1.0, 1e-13));  // told that it is a body, it is one
+  CHECK(Surface(lidless, Surface::Sides::one).body_class == BodyClass::sharp);
   for (auto& t : cracked.triangles) std::swap(t[0], t[1]);
   CHECK_THROWS_WITH(Surface(cracked), Catch::Contains("inside out"));
 

@@ -147,6 +147,7 @@ TEST_CASE("air carried along, lift of spinning balls and low Reynolds numbers ar
 
 TEST_CASE("a question that makes no sense is refused", "[effects][hard]") {
   const Surface cube = zoo::surface(Box{}, 2);
+  CHECK_THROWS_WITH(required_effects({.surface = cube}), Catch::Contains("speed") && Catch::Contains("largest"));
   CHECK_THROWS_WITH(required_effects({.surface = cube, .tolerance = 0.0}), Catch::Contains("tolerance = 0"));
   CHECK_THROWS_WITH(required_effects({.surface = cube, .viscosity = -1.0}), Catch::Contains("viscosity = -1"));
   CHECK_NOTHROW(required_effects({.surface = Surface(TriangleMesh{})}));

@@ -31,12 +31,13 @@ struct Medium {
 /// 0.004 to 0.5, six above 1, and a smooth blend between, so that no force jumps.
 enum class Quadrature { adaptive = 0, one = 1, three = 3, six = 6 };
 
+/// A plain Model is the note's: no friction, no pillow. model_for() has what validation found best.
 struct Model {
   Law law = note_law();
   Pillow pillow{};
   Quadrature quadrature = Quadrature::three;
   Effects effects = Effects::all();
-  /// Refuses input and results that are not finite. Without it such values pass through to the result, and nothing worse happens.
+  /// Refuses input that is not finite or out of range, and results that are not finite. Without it such values pass through to the result.
   bool check = true;
 };
 
@@ -83,7 +84,7 @@ std::optional<LineOfAction> line_of_action(const Wrench& wrench, const Eigen::Ve
 /// @return  empty where the force lies within 3 degrees of the plane: the cut is then ill-conditioned
 std::optional<Eigen::Vector3d> centre_of_pressure(const LineOfAction& line, const Eigen::Vector3d& plane_point, const Eigen::Vector3d& plane_normal);
 
-/// The tilt pillow that fits the laws by class best: kappa 0.86, 95 % interval 0.71 to 1.03 (`dragval calibrate`).
+/// The tilt pillow that goes with the laws by class: kappa 0.86. `dragval calibrate` says what the present references make of it, and how surely.
 Pillow class_pillow();
 
 /// law_for() the surface's class, with class_pillow(): what validation found best. See README for its errors.

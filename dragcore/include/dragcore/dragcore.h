@@ -4,7 +4,7 @@
 /* dragcore for C and for everything that can call C. SI units; body frame; docs/conventions.md.
  *
  * Functions return DRAGCORE_OK or an error; dragcore_last_error() then says, for the calling thread, what was found and what is needed.
- * A surface may be used by any number of threads at once. The library is C++ inside: link with -lstdc++ -lm, too, or let a C++ linker do it.
+ * A surface may be used by any number of threads at once. The library is C++ inside: gcc program.c -ldragcore -lstdc++ -lm, in this order.
  * Matrices are row by row; a symmetric one reads the same either way. */
 
 #include <stddef.h>
@@ -21,7 +21,8 @@ typedef enum dragcore_status {
 
 typedef struct dragcore_surface dragcore_surface; /* a mesh prepared for drag */
 
-/* Faces of a triangle that feel the air: the outer one of a body, both of a sheet. Automatic: two where the mesh is open. */
+/* Faces of a triangle that feel the air: the outer one of a body, both of a sheet. Automatic: two where the mesh is open,
+ * but for a body with small holes: class Surface in dragcore/surface.hpp. */
 typedef enum dragcore_sides { DRAGCORE_SIDES_AUTOMATIC = 0, DRAGCORE_ONE_SIDED = 1, DRAGCORE_TWO_SIDED = 2 } dragcore_sides;
 
 typedef enum dragcore_body_class { DRAGCORE_SHEET = 0, DRAGCORE_SHARP = 1, DRAGCORE_SMOOTH = 2 } dragcore_body_class;
@@ -119,6 +120,12 @@ dragcore_status dragcore_step_scalar_implicit(const double matrix[36], const dra
 /* Added mass about the centre of an ellipsoid with semi-axes along the body's, for dragcore_body: added_mass() in dragcore/fluid_terms.hpp.
  * A sheet is about an ellipsoid of its area with one short semi-axis. */
 dragcore_status dragcore_ellipsoid_added_mass(const double semi_axes[3], double density, double matrix[36]);
+
+/* Spin after dt by inertia alone: gyroscopic_spin() in dragcore/stepping.hpp. Replace motion.angular_velocity with it before dragcore_resistance(). */
+dragcore_status dragcore_gyroscopic_spin(const dragcore_body* body, const double angular_velocity[3], double dt, double spin[3]);
+
+/* Where motion.wind_gradient is not zero: what the matrix misses of the wrench that dragcore_evaluate() gives, to be added to `external` of the steps. */
+dragcore_status dragcore_wind_excess(const dragcore_wrench* wrench, const double matrix[36], const dragcore_motion* motion, dragcore_wrench* excess);
 
 /* Share in [0, 1] of the impulse dt * wrench that may be applied: impulse_share(). */
 dragcore_status dragcore_impulse_share(const dragcore_wrench* wrench, const dragcore_body* body, const dragcore_motion* motion, double dt, double* share);

@@ -55,7 +55,7 @@ struct RequiredEffects {
 /// Ask once for a kind of body and the range of its motion, not every frame: the question costs several evaluations (docs/model.md), and what is masked
 /// off stays off.
 ///
-/// @throws std::invalid_argument  as wrench(); if the tolerance is not positive
+/// @throws std::invalid_argument  as wrench(); if the tolerance is not positive, or the motion is rest
 RequiredEffects required_effects(const Scene& scene);
 
 }  // namespace dragcore

@@ -22,7 +22,8 @@ struct Patch {
 class Surface {
  public:
   /// Faces of a triangle that feel the air: the outer one of a body, both of a sheet. `automatic` finds out which it is: MeshProperties::encloses.
-  /// A body with larger holes (a car without its floor, say) counts as a sheet unless told, and then its far walls feel the wind from inside.
+  /// A body with larger holes (a car without its floor, say) counts as a sheet unless told, and then its far walls feel the wind from inside. Told `one`, it
+  /// is a body whose missing walls feel nothing: close it where the wind may come from there.
   enum class Sides { automatic = 0, one = 1, two = 2 };
 
   /// @param mesh  body frame; a body's triangles are wound outwards

@@ -20,7 +20,7 @@ struct Dryden {
 /// sigma_u = sigma_v = sigma_w / (0.177 + 0.000823 h)^0.4, with h in feet. MIL-HDBK-1797 defines L_v and L_w as half of these and doubles
 /// them in its spectra: the same turbulence.
 /// @param height             above ground, 10 to 1000 ft (3.048 to 304.8 m)
-/// @param wind_speed_at_20ft W20, at 6.096 m above ground [m/s]
+/// @param wind_speed_at_20ft W20, at 6.096 m above ground [m/s]; also the mean wind that carries the eddies, along x unless you turn it
 /// @throws std::invalid_argument  outside these ranges: above, set intensity and length (533.4 m) oneself
 Dryden low_altitude_dryden(double height, double wind_speed_at_20ft);
 
