@@ -25,7 +25,7 @@ std::string variant_of(const CaseFamily& family) { return split_name(family.reco
 auto question_of(const CaseRecord& record) {
   const auto rounded = [](double value) { return std::llround(value * 1e6); };
   const Vector3d& spin = record.angular_velocity;
-  return std::tuple(dragcore::kind(record.shape), dragcore::parameters(record.shape), flow_class(record.flow_model), rounded(record.reynolds),
+  return std::tuple(dragcore::kind(record.shape), dragcore::parameters(record.shape), flow_class(record.flow_model), rounded(record.reynolds), record.still_air,
                     std::array{rounded(record.pose.incidence), rounded(record.pose.yaw), rounded(record.pose.roll), rounded(spin.x()),
                                rounded(spin.y()), rounded(spin.z())});
 }
