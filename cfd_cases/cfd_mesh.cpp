@@ -25,6 +25,13 @@ using Eigen::Vector3d;
 using Entities = gmsh::vectorpair;
 namespace occ = gmsh::model::occ;
 
+/// The solid among what a surface sweeps.
+int solid_of(const Entities& swept) {
+  const auto solid = std::find_if(swept.begin(), swept.end(), [](const auto& entity) { return entity.first == 3; });
+  if (solid == swept.end()) throw std::runtime_error("gmsh made no solid of the body's outline");
+  return solid->second;
+}
+
 /// The exact shape as an OpenCASCADE solid, in the body frame.
 struct Solid {
   double nose;
@@ -56,9 +63,16 @@ struct Solid {
     const int meridian = occ::addCurveLoop({occ::addCircleArc(front, middle, joint), occ::addLine(joint, back), occ::addLine(back, front)});
     Entities turned;
     occ::revolve({{2, occ::addPlaneSurface({meridian})}}, 0, 0, 0, 1, 0, 0, 2.0 * std::numbers::pi, turned);
-    const auto solid = std::find_if(turned.begin(), turned.end(), [](const auto& entity) { return entity.first == 3; });
-    if (solid == turned.end()) throw std::runtime_error("gmsh made no solid of the teardrop's meridian");
-    return solid->second;
+    return solid_of(turned);
+  }
+  int operator()(const dragcore::Prism& s) const {
+    const double half = 0.5 * s.base, tail = nose + half / std::tan(0.5 * s.apex_angle), y = -0.5 * s.span;
+    const int corners[] = {occ::addPoint(nose, y, 0), occ::addPoint(tail, y, half), occ::addPoint(tail, y, -half)};
+    std::vector<int> sides;
+    for (int i = 0; i < 3; ++i) sides.push_back(occ::addLine(corners[i], corners[(i + 1) % 3]));
+    Entities drawn;
+    occ::extrude({{2, occ::addPlaneSurface({occ::addCurveLoop(sides)})}}, 0, s.span, 0, drawn);
+    return solid_of(drawn);
   }
 };
 

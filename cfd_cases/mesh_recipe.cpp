@@ -67,6 +67,11 @@ struct Distance {
     const double to_cone = distance_to_profile({{joint.x(), 0.0}, joint, {nose + s.length, 0.0}}, p);
     return std::max(0.0, std::min(to_sphere, to_cone));
   }
+  double operator()(const dragcore::Prism& s) const {
+    const double half = 0.5 * s.base, tail = nose + half / std::tan(0.5 * s.apex_angle);
+    const double to_triangle = distance_to_profile({{nose, 0.0}, {tail, half}, {tail, 0.0}}, Vector3d(p.x(), p.z(), 0.0));
+    return std::hypot(to_triangle, std::max(0.0, std::abs(p.y()) - 0.5 * s.span));
+  }
 };
 
 const std::map<std::string, double> kRefinement{{"coarse", 1.4}, {"medium", 1.0}, {"fine", 1.0 / 1.4}, {"finest", 1.0 / 1.96}};

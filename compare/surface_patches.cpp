@@ -35,6 +35,8 @@ std::string patch_name(const dragcore::Shape& shape, const dragcore::ShapeProper
   constexpr double along_axis = 0.9;  // ends are square to the axis; the side of a cylinder has 0, of a cone a negative x component
   if (std::holds_alternative<dragcore::Plate>(shape) || std::holds_alternative<dragcore::Box>(shape)) return axis_face(normal);
   if (std::holds_alternative<dragcore::Cylinder>(shape) && std::abs(normal.x()) > along_axis) return axis_face(normal);
+  if (std::holds_alternative<dragcore::Prism>(shape))
+    return std::max(std::abs(normal.y()), normal.x()) > along_axis ? axis_face(normal) : normal.z() < 0 ? "z-" : "z+";
   if (std::holds_alternative<dragcore::Cone>(shape) && normal.x() > along_axis) return "base";
   return curved_bin(centre, body);
 }

@@ -64,7 +64,13 @@ void check(const Teardrop& s) {
   require(s.length > s.diameter, "teardrop", "length", s.length, "greater than its diameter");
 }
 
-double cone_height(const Cone& s) { return 0.5 * s.diameter / std::tan(0.5 * s.apex_angle); }
+void check(const Prism& s) {
+  require_positive("prism", "base", s.base);
+  require_positive("prism", "span", s.span);
+  require(s.apex_angle > 0.0 && s.apex_angle < pi, "prism", "apex_angle", s.apex_angle, "between 0 and pi, both excluded (radians, the full angle)");
+}
+
+double height_of_point(double base, double apex_angle) { return 0.5 * base / std::tan(0.5 * apex_angle); }
 
 /// The teardrop's parts, x measured from the nose: where sphere and cone touch, and the volumes and centroids of the two.
 struct TeardropParts {
@@ -130,6 +136,43 @@ TriangleMesh box_mesh(const Vector3d& size, const Vector3i& divisions) {
         }
     }
   }
+  return welded(mesh);
+}
+
+/// Two triangles at y = -+ span/2 and the three rectangles between them; edges that faces share are equal to the bit, and joined at the end.
+TriangleMesh prism_mesh(const std::array<Vector2d, 3>& corners, double span, int n) {
+  TriangleMesh mesh;
+  // Point (a, b, c)/n of the triangle (corners in x and z, integer weights), at step k along y.
+  const auto point = [&](int a, int b, int c, int k) {
+    const Vector2d p = (a * corners[0] + b * corners[1] + c * corners[2]) / n;
+    return Vector3d(p.x(), span * (static_cast<double>(k) / n - 0.5), p.y());
+  };
+  const auto add = [&](const Vector3d& p, const Vector3d& q, const Vector3d& r) {
+    const int first = static_cast<int>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), {p, q, r});
+    mesh.triangles.emplace_back(first, first + 1, first + 2);
+  };
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n - i; ++j) {
+      const auto at = [&](int di, int dj, int k) { return point(n - i - j - di - dj, i + di, j + dj, k); };
+      add(at(0, 0, 0), at(1, 0, 0), at(0, 1, 0));
+      add(at(0, 0, n), at(0, 1, n), at(1, 0, n));
+      if (j + 1 == n - i) continue;
+      add(at(1, 0, 0), at(1, 1, 0), at(0, 1, 0));
+      add(at(1, 0, n), at(0, 1, n), at(1, 1, n));
+    }
+  for (int side = 0; side < 3; ++side)
+    for (int i = 0; i < n; ++i)
+      for (int k = 0; k < n; ++k) {
+        const auto at = [&](int di, int dk) {
+          Vector3i weight = Vector3i::Zero();
+          weight[side] = n - i - di;
+          weight[(side + 1) % 3] = i + di;
+          return point(weight[0], weight[1], weight[2], k + dk);
+        };
+        add(at(0, 0), at(0, 1), at(1, 1));
+        add(at(0, 0), at(1, 1), at(1, 0));
+      }
   return welded(mesh);
 }
 
@@ -229,7 +272,7 @@ ShapeProperties properties(const Shape& shape) {
                },
                [](const Cone& s) {
                  check(s);
-                 const double r = 0.5 * s.diameter, h = cone_height(s);
+                 const double r = 0.5 * s.diameter, h = height_of_point(s.diameter, s.apex_angle);
                  ShapeProperties p;
                  p.area = pi * r * (r + std::hypot(r, h));
                  p.volume = pi * r * r * h / 3.0;
@@ -290,6 +333,19 @@ ShapeProperties properties(const Shape& shape) {
                  p.nose_x = -t.centroid;
                  p.half_extent = Vector3d(0.5 * s.length, t.radius, t.radius);
                  return p;
+               },
+               [](const Prism& s) {
+                 check(s);
+                 const double h = height_of_point(s.base, s.apex_angle);
+                 ShapeProperties p;
+                 p.area = s.base * h + s.span * (s.base + 2.0 * std::hypot(0.5 * s.base, h));
+                 p.volume = 0.5 * s.base * h * s.span;
+                 p.reference_area = s.base * s.span;
+                 p.reference_length = s.base;
+                 p.length_x = h;
+                 p.nose_x = -2.0 * h / 3.0;
+                 p.half_extent = 0.5 * Vector3d(h, s.span, s.base);
+                 return p;
                }},
       shape);
 }
@@ -328,6 +384,10 @@ TriangleMesh triangulate(const Shape& shape, int n) {
                  }
                  append_segment(profile, {exact.nose_x + s.length, 0.0}, n);
                  return revolved_mesh(profile, 4 * n);
+               },
+               [&](const Prism& s) {
+                 const double tail = exact.nose_x + exact.length_x;
+                 return prism_mesh({Vector2d(exact.nose_x, 0.0), Vector2d(tail, -0.5 * s.base), Vector2d(tail, 0.5 * s.base)}, s.span, n);
                }},
       shape);
 }
@@ -359,7 +419,13 @@ bool mirror_symmetric(const Shape& shape, const Vector3d& normal_body) {
                                const Eigen::Matrix3d quadric = (axes / axes.minCoeff()).cwiseProduct(axes / axes.minCoeff()).cwiseInverse().asDiagonal();
                                return (mirror * quadric * mirror - quadric).cwiseAbs().maxCoeff() < tolerance;
                              },
-                             [&](const Teardrop&) { return round_symmetric(false); }},
+                             [&](const Teardrop&) { return round_symmetric(false); },
+                             [&](const Prism& s) {
+                               const auto along = [&](const Vector3d& axis) { return m.cross(axis).norm() < tolerance; };
+                               if (along(Vector3d::UnitY()) || along(Vector3d::UnitZ())) return true;
+                               const Vector3d other(std::cos(pi / 6), 0.0, 0.5);  // square to the other two medians of an equilateral triangle
+                               return std::abs(s.apex_angle - pi / 3) < tolerance && (along(other) || along(other.cwiseProduct(Vector3d(1, 1, -1))));
+                             }},
                     shape);
 }
 
@@ -397,7 +463,8 @@ class ParameterReader {
 std::string kind(const Shape& shape) {
   return std::visit(Overload{[](const Plate&) { return "plate"; }, [](const Box& s) { return is_cube(s) ? "cube" : "box"; }, [](const Cone&) { return "cone"; },
                              [](const Sphere&) { return "sphere"; }, [](const Cylinder&) { return "cylinder"; },
-                             [](const Ellipsoid&) { return "ellipsoid"; }, [](const Teardrop&) { return "teardrop"; }},
+                             [](const Ellipsoid&) { return "ellipsoid"; }, [](const Teardrop&) { return "teardrop"; },
+                             [](const Prism&) { return "prism"; }},
                     shape);
 }
 
@@ -411,7 +478,8 @@ std::map<std::string, double> parameters(const Shape& shape) {
                              [](const Sphere& s) { return Parameters{{"diameter", s.diameter}}; },
                              [](const Cylinder& s) { return Parameters{{"diameter", s.diameter}, {"length", s.length}}; },
                              [](const Ellipsoid& s) { return Parameters{{"semi_x", s.semi_x}, {"semi_y", s.semi_y}, {"semi_z", s.semi_z}}; },
-                             [](const Teardrop& s) { return Parameters{{"diameter", s.diameter}, {"length", s.length}}; }},
+                             [](const Teardrop& s) { return Parameters{{"diameter", s.diameter}, {"length", s.length}}; },
+                             [](const Prism& s) { return Parameters{{"base", s.base}, {"span", s.span}, {"apex_angle_deg", s.apex_angle * degrees}}; }},
                     shape);
 }
 
@@ -441,8 +509,11 @@ Shape make_shape(std::string_view kind, const Parameters& given) {
   } else if (kind == "teardrop") {
     const Teardrop d;
     shape = Teardrop{.diameter = read("diameter", d.diameter), .length = read("length", d.length)};
+  } else if (kind == "prism") {
+    const Prism d;
+    shape = Prism{.base = read("base", d.base), .span = read("span", d.span), .apex_angle = read("apex_angle_deg", d.apex_angle * degrees) / degrees};
   } else {
-    throw std::invalid_argument("unknown shape '" + std::string(kind) + "'; known: plate, box, cube, cone, sphere, cylinder, ellipsoid, teardrop");
+    throw std::invalid_argument("unknown shape '" + std::string(kind) + "'; known: plate, box, cube, cone, sphere, cylinder, ellipsoid, teardrop, prism");
   }
   read.finish();
   properties(shape);  // checks the ranges

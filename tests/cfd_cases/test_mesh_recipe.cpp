@@ -21,6 +21,10 @@ TEST_CASE("the distance to a body is that of geometry", "[cfd_cases][mesh][analy
   CHECK(distance_to_body(dragcore::Cone{}, {base - root3 / 2.0 - 1.0, 0.0, 0.0}) == Approx(1.0));
   CHECK(distance_to_body(dragcore::Cone{}, {base, 0.0, 1.5}) == Approx(1.0));  // the rim
   CHECK(distance_to_body(dragcore::Cylinder{.diameter = 1.0, .length = 3.0}, {1.0, 2.0, 0.0}) == Approx(1.5));
+  // The equilateral prism's base is at sqrt(3)/6; its slanted sides make 30 degrees with the axis.
+  CHECK(distance_to_body(dragcore::Prism{}, {root3 / 6.0 + 1.0, 0.3, 0.0}) == Approx(1.0));
+  CHECK(distance_to_body(dragcore::Prism{}, {-root3 / 12.0 - 0.5, 0.0, 0.25 + 0.5 * root3}) == Approx(1.0));
+  CHECK(distance_to_body(dragcore::Prism{}, {-root3 / 3.0, 1.5, 0.0}) == Approx(1.0));
   CHECK(distance_to_body(dragcore::Ellipsoid{1.5, 0.5, 0.5}, {2.0, 0.0, 0.0}) == Approx(2.0 / 3.0).epsilon(0.35));  // first order far out
   CHECK(distance_to_body(dragcore::Ellipsoid{1.5, 0.5, 0.5}, {1.501, 0.0, 0.0}) == Approx(0.001).epsilon(1e-3));
 }
@@ -28,7 +32,7 @@ TEST_CASE("the distance to a body is that of geometry", "[cfd_cases][mesh][analy
 TEST_CASE("the distance vanishes on and in the body", "[cfd_cases][mesh][limit]") {
   const dragcore::Shape shapes[] = {dragcore::Plate{},   dragcore::Box{},      dragcore::Cone{},
                                     dragcore::Sphere{},  dragcore::Cylinder{}, dragcore::Ellipsoid{1.0, 0.5, 0.3},
-                                    dragcore::Teardrop{}};
+                                    dragcore::Teardrop{},  dragcore::Prism{.span = 0.6}};
   for (const auto& shape : shapes) {
     CAPTURE(dragcore::kind(shape));
     CHECK(distance_to_body(shape, Vector3d::Zero()) == 0.0);

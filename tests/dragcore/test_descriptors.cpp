@@ -101,6 +101,7 @@ TEST_CASE("the class of a body is found from its mesh", "[descriptors][analytic]
   CHECK(class_of(Box{.length = 30.0}) == BodyClass::sharp);  // a rod is no sheet, however slender
   CHECK(class_of(Cone{}) == BodyClass::sharp);
   CHECK(class_of(Cylinder{.diameter = 1.0, .length = 2.0}) == BodyClass::sharp);
+  CHECK(class_of(Prism{}) == BodyClass::sharp);
   CHECK(class_of(Sphere{}) == BodyClass::smooth);
   CHECK(class_of(Ellipsoid{.semi_x = 0.8, .semi_y = 0.5, .semi_z = 0.3}) == BodyClass::smooth);
   CHECK(class_of(Teardrop{.diameter = 1.0, .length = 3.0}) == BodyClass::smooth);

@@ -10,7 +10,7 @@ using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
 
 TEST_CASE("flat-sided shapes have the area and volume of their formulas", "[shapes][analytic]") {
-  for (const Shape& shape : {Shape(Plate{1.3, 0.7, 0.05}), Shape(Box{2.0, 1.0, 0.6}), Shape(Plate{1.0, 2.0, 0.0})})
+  for (const Shape& shape : {Shape(Plate{1.3, 0.7, 0.05}), Shape(Box{2.0, 1.0, 0.6}), Shape(Plate{1.0, 2.0, 0.0}), Shape(Prism{1.0, 0.7, 0.4})})
     for (const int divisions : {1, 2, 7}) {
       const MeshProperties found = inspect(triangulate(shape, divisions));
       const ShapeProperties exact = properties(shape);
@@ -67,6 +67,10 @@ TEST_CASE("closed forms agree with values worked out by hand", "[shapes][analyti
   CHECK_THAT(properties(Ellipsoid{0.5, 1.0, 1.0}).area, WithinRel(2 * pi * (1 + (1 - e * e) / e * std::atanh(e)), 1e-12));
   // Close to a sphere the formula changes; both sides of the switch must meet.
   CHECK_THAT(properties(Ellipsoid{1.0, 1.0, 1.0 - 0.9e-6}).area, WithinRel(properties(Ellipsoid{1.0, 1.0, 1.0 - 1.1e-6}).area, 1e-6));
+  const ShapeProperties prism = properties(Prism{2.0, 3.0, pi / 3});  // equilateral
+  CHECK_THAT(prism.area, WithinRel(3 * 2.0 * 3.0 + 2 * std::sqrt(3.0), 1e-14));
+  CHECK_THAT(prism.volume, WithinRel(std::sqrt(3.0) * 3.0, 1e-14));
+  CHECK_THAT(prism.nose_x, WithinRel(-2.0 / std::sqrt(3.0), 1e-14));  // radius of the circle through the corners
   // A teardrop that hardly has a tail is a sphere.
   CHECK_THAT(properties(Teardrop{1.0, 1.0 + 1e-9}).volume, WithinRel(pi / 6, 1e-8));
 }
@@ -84,6 +88,17 @@ TEST_CASE("mirror symmetry is recognised in every direction", "[shapes][invarian
   CHECK(mirror_symmetric(plate, z));
   CHECK(mirror_symmetric(plate, diagonal));
   CHECK_FALSE(mirror_symmetric(plate, Eigen::Vector3d(0, 1, 1)));
+  const Shape prism = Prism{}, wedge = Prism{.apex_angle = 0.5};
+  const Eigen::Vector3d other_median(std::sqrt(3.0), 0, 1);
+  for (const Shape& either : {prism, wedge}) {
+    CHECK(mirror_symmetric(either, y));
+    CHECK(mirror_symmetric(either, z));
+    CHECK_FALSE(mirror_symmetric(either, x));
+    CHECK_FALSE(mirror_symmetric(either, diagonal));
+  }
+  CHECK(mirror_symmetric(prism, other_median));
+  CHECK_FALSE(mirror_symmetric(wedge, other_median));
+  CHECK_FALSE(mirror_symmetric(prism, Eigen::Vector3d(1, 0, std::sqrt(3.0))));
   CHECK(mirror_symmetric(Sphere{}, tilted));
   CHECK(mirror_symmetric(Ellipsoid{0.5, 0.5, 0.2}, tilted));
   CHECK_FALSE(mirror_symmetric(Ellipsoid{0.6, 0.5, 0.2}, tilted));
@@ -113,7 +128,7 @@ TEST_CASE("shapes survive the way through their names and parameters", "[shapes]
 TEST_CASE("a wrong parameter is named with its value and its range", "[shapes][hard]") {
   CHECK_THROWS_WITH(make_shape("cone", {{"apex_angle_deg", 180.0}}), Catch::Contains("apex_angle") && Catch::Contains("between 0 and pi"));
   CHECK_THROWS_WITH(make_shape("cone", {{"apex", 10.0}}), Catch::Contains("unknown parameter 'apex'") && Catch::Contains("diameter, apex_angle_deg"));
-  CHECK_THROWS_WITH(make_shape("kone", {}), Catch::Contains("unknown shape 'kone'") && Catch::Contains("teardrop"));
+  CHECK_THROWS_WITH(make_shape("kone", {}), Catch::Contains("unknown shape 'kone'") && Catch::Contains("prism"));
   CHECK_THROWS_WITH(properties(Plate{.chord = -1.0}), Catch::Contains("chord = -1"));
   CHECK_THROWS_WITH(properties(Sphere{std::nan("")}), Catch::Contains("diameter"));
   CHECK_THROWS_WITH(properties(Teardrop{1.0, 0.9}), Catch::Contains("greater than its diameter"));

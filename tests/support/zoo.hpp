@@ -20,7 +20,8 @@ inline std::vector<dragcore::Shape> shapes() {
           dragcore::Sphere{.diameter = 1.0},
           dragcore::Cylinder{.diameter = 0.8, .length = 1.5},
           dragcore::Ellipsoid{.semi_x = 0.8, .semi_y = 0.5, .semi_z = 0.3},
-          dragcore::Teardrop{.diameter = 1.0, .length = 3.0}};
+          dragcore::Teardrop{.diameter = 1.0, .length = 3.0},
+          dragcore::Prism{.base = 1.0, .span = 0.8, .apex_angle = 0.7}};
 }
 
 inline dragcore::Surface::Sides sides_of(const dragcore::Shape& shape) {

@@ -43,7 +43,13 @@ struct Teardrop {  ///< a sphere whose rear runs out, tangentially, into a cone;
   double length = 3.0;  ///< nose to tail
 };
 
-using Shape = std::variant<Plate, Box, Cone, Sphere, Cylinder, Ellipsoid, Teardrop>;
+struct Prism {  ///< an isosceles triangle in the x-z plane, its point at -x, drawn out along y
+  double base = 1.0;                       ///< the side opposite to the point, along z
+  double span = 1.0;                       ///< along y
+  double apex_angle = 1.0471975511965976;  ///< full angle at the point [rad]; the default, 60 degrees, makes it equilateral
+};
+
+using Shape = std::variant<Plate, Box, Cone, Sphere, Cylinder, Ellipsoid, Teardrop, Prism>;
 
 /// Closed-form properties of the exact shape (not of its triangles).
 struct ShapeProperties {
@@ -61,7 +67,7 @@ ShapeProperties properties(const Shape& shape);
 
 /// Triangles with all vertices on the exact surface, wound outwards.
 /// @param divisions  edge segments of a plate or box side; segments of a quarter turn of a round body. At least 1.
-///                   Triangles: box 12 n^2; plate 4 n^2 + 8 n (sheet 2 n^2); sphere and ellipsoid 8 n^2; round bodies of order 16 n^2.
+///                   Triangles: box 12 n^2; plate 4 n^2 + 8 n (sheet 2 n^2); prism 8 n^2; sphere and ellipsoid 8 n^2; round bodies of order 16 n^2.
 /// Area and volume of round bodies converge to properties() with second order.
 TriangleMesh triangulate(const Shape& shape, int divisions);
 
