@@ -236,6 +236,18 @@ TEST_CASE("patches of a box are its six faces with their own pressures", "[compa
   CHECK((patch("z+").friction_coefficient - 0.01 * Eigen::Vector3d(std::sqrt(0.75), -0.5, 0.0)).norm() < 1e-12);
 }
 
+TEST_CASE("patches of a prism are its ends, its base and two slanted sides, however blunt", "[compare][store][analytic]") {
+  for (const double apex_angle : {0.5, 1.0, 2.0}) {
+    const dragcore::Prism prism{.base = 1.0, .span = 2.0, .apex_angle = apex_angle};
+    const auto patches = compare::patch_means(sample::record("prism", prism, {}));
+    std::vector<std::string> names;
+    for (const auto& patch : patches) names.push_back(patch.name);
+    CHECK(names == std::vector<std::string>{"x+", "y+", "y-", "z+", "z-"});
+    for (const auto& patch : patches)
+      if (patch.name[0] == 'z') CHECK(patch.area == Approx(2.0 * 0.5 / std::sin(0.5 * apex_angle)).epsilon(1e-12));
+  }
+}
+
 TEST_CASE("the pressure's first moment on a patch sees where the pressure is higher", "[compare][store][sign]") {
   CaseRecord record =
       sample::record("plate", dragcore::Plate{.chord = 2.0, .span = 1.0, .thickness = 0.05}, {.incidence = 90 * sample::deg});
