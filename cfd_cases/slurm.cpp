@@ -450,9 +450,11 @@ Check check_slurm() {
   const Answer ping = answer_of({"scontrol", "ping"});
   check.good = ping.exit_code == 0 && ping.text.find(" UP") != std::string::npos;
   check.found = ping.text.substr(0, ping.text.find_last_not_of(" \n") + 1);
-  if (!check.good)
+  if (!check.good) {
+    check.found.erase(0, check.found.rfind('\n') + 1);  // scontrol's complaints end with the one that counts
     check.fix =
         "this machine needs the cluster's /etc/slurm/slurm.conf (or SLURM_CONF) and a running slurmctld and munged; docs/cluster.md";
+  }
   return check;
 }
 

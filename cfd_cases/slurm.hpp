@@ -54,7 +54,7 @@ SlurmLimits slurm_limits(const PlannedCase& planned, int ranks);
 
 /// Seconds of a slot that a case costs on Slurm beyond its stages: start of the job, of this program, end of the job; docs/cluster.md,
 /// "Overhead".
-inline constexpr double kSlurmOverhead_s = 1.5;
+inline constexpr double kSlurmOverhead_s = 2.5;
 
 /// Wall time of jobs that are given, the longest first, to whichever slot is free.
 double list_schedule_s(std::vector<double> seconds, int slots);
