@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "compare/coefficients.hpp"
 #include "compare/text_grid.hpp"
 
 namespace compare {
@@ -28,6 +29,18 @@ double asymmetry(const CaseFamily& family) {
   return worst;
 }
 
+/// Usable, at rest, and no variant of the numerics; the two ways through a range of angles are cases of their own.
+bool is_counted(const case_record::CaseRecord& record) {
+  const std::string variant = split_name(record.name, record.mesh_level).variant;
+  return is_usable(record.status) && !record.spins() && (variant.empty() || variant == "up" || variant == "down");
+}
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 }  // namespace
 
 std::vector<MeshRow> mesh_rows(const std::vector<case_record::CaseRecord>& records) {
@@ -35,8 +48,7 @@ std::vector<MeshRow> mesh_rows(const std::vector<case_record::CaseRecord>& recor
   std::map<std::pair<std::string, std::string>, std::vector<double>> shares;
   for (const CaseFamily& family : case_families(records)) {
     const case_record::CaseRecord& record = *family.record;
-    const std::string variant = split_name(record.name, record.mesh_level).variant;
-    if (!is_usable(record.status) || record.spins() || !(variant.empty() || variant == "up" || variant == "down")) continue;
+    if (!is_counted(record)) continue;
     const std::pair key(dragcore::kind(record.shape), fmt::format("Re {:g}, {}", record.reynolds, record.flow_model));
     MeshRow& row = rows[key];
     row.body = key.first, row.flow = key.second;
@@ -56,11 +68,7 @@ std::vector<MeshRow> mesh_rows(const std::vector<case_record::CaseRecord>& recor
   }
   std::vector<MeshRow> list;
   for (auto& [key, row] : rows) {
-    if (auto& found = shares[key]; !found.empty()) {
-      const auto middle = found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2);
-      std::nth_element(found.begin(), middle, found.end());
-      row.median = *middle;
-    }
+    if (auto& found = shares[key]; !found.empty()) row.median = median(found);
     list.push_back(std::move(row));
   }
   return list;
@@ -112,6 +120,66 @@ nlohmann::json to_json(const std::vector<MeshRow>& rows) {
                     {"largest", row.largest},
                     {"worst", row.worst},
                     {"null", row.null}});
+  return list;
+}
+
+std::vector<HeldBackRow> held_back_rows(const std::vector<case_record::CaseRecord>& records) {
+  std::map<std::pair<std::string, std::string>, HeldBackRow> rows;
+  std::map<std::pair<std::string, std::string>, std::vector<double>> shares;
+  for (const CaseFamily& family : case_families(records)) {
+    auto levels = family.usable_levels();
+    if (!is_counted(*family.record) || levels.size() < 3 || !family.uncertainty.discretisation_assessed) continue;
+    const double truth = levels.back()->load.force().x();
+    levels.pop_back();
+    std::vector<double> cells, drag;
+    for (const auto* level : levels) cells.push_back(level->cells), drag.push_back(level->load.force().x());
+    const GridStudy study = levels.size() == 2 ? two_grid_study(cells, drag) : grid_study(cells, drag);
+    const std::pair key(levels.size() == 2 ? "two meshes, factor 3" : fmt::format("three or more, factor {:g}", study.safety),
+                        family.record->flow_model);
+    HeldBackRow& row = rows[key];
+    row.rule = key.first, row.flow = key.second;
+    const double away = std::abs(truth - drag.back());
+    const double share = away == 0.0 ? 0.0 : away / (2.0 * study.uncertainty);
+    shares[key].push_back(share);
+    ++row.poses;
+    if (share <= 1.0) ++row.within;
+    const double to_coefficient = 1.0 / coefficient_scales(*family.record)[0];
+    if (share >= row.largest)
+      row.largest = share, row.worst = fmt::format("{}: C_D {:.4f} +- {:.4f} (2u), then {:.4f}", levels.back()->name, drag.back() * to_coefficient,
+                                                   2.0 * study.uncertainty * to_coefficient, truth * to_coefficient);
+  }
+  std::vector<HeldBackRow> list;
+  for (auto& [key, row] : rows) {
+    row.median = median(shares[key]);
+    list.push_back(std::move(row));
+  }
+  return list;
+}
+
+std::string render(const std::vector<HeldBackRow>& rows, Format format, bool colour) {
+  if (format == Format::json) return to_json(rows).dump(2) + "\n";
+  if (format == Format::csv) {
+    std::string text = "rule,flow,poses,within,median,largest,worst\n";
+    for (const HeldBackRow& row : rows)
+      text += csv_line({row.rule, row.flow, std::to_string(row.poses), std::to_string(row.within), fmt::format("{:.9g}", row.median),
+                        fmt::format("{:.9g}", row.largest), row.worst});
+    return text;
+  }
+  TextGrid grid;
+  grid.add({"u of", "flow", "next mesh within 2u", "median", "largest", "largest in"});
+  for (const HeldBackRow& row : rows)
+    grid.add({row.rule, row.flow, fmt::format("{} of {}", row.within, row.poses), fmt::format("{:.2f}", row.median), fmt::format("{:.2f}", row.largest), row.worst},
+             row.within == row.poses ? fmt::text_style{} : fg(fmt::terminal_color::yellow));
+  const std::string title = "Does u_disc hold? The finest mesh of each pose against the meshes before it";
+  const std::string legend = "median, largest: distance in C_D over 2u, where 2u is meant for 95 %. Of second order, and without a safety factor, half of it shows on the next mesh.\n";
+  if (format == Format::table) return title + "\n" + aligned(grid, colour) + legend;
+  return "### " + title + "\n\n" + markdown(grid) + "\n" + legend;
+}
+
+nlohmann::json to_json(const std::vector<HeldBackRow>& rows) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const HeldBackRow& row : rows)
+    list.push_back({{"rule", row.rule}, {"flow", row.flow}, {"poses", row.poses}, {"within", row.within}, {"median", row.median}, {"largest", row.largest}, {"worst", row.worst}});
   return list;
 }
 

@@ -28,4 +28,17 @@ std::vector<MeshRow> mesh_rows(const std::vector<case_record::CaseRecord>& recor
 std::string render(const std::vector<MeshRow>& rows, Format format, bool colour = false);
 nlohmann::json to_json(const std::vector<MeshRow>& rows);
 
+/// Whether u_disc holds: the finest mesh of every pose with three or more, held against what the meshes before it said of their own u. A share is
+/// the distance of the two values of C_D over 2u, below 1 if the uncertainty of 95 % holds; of second order, and with no safety factor, it would be 1/2.
+struct HeldBackRow {
+  std::string rule, flow;  ///< "two meshes, factor 3", or "three or more" and the safety factor; flow model
+  int poses = 0, within = 0;
+  double median = 0.0, largest = 0.0;
+  std::string worst;  ///< the pose of `largest`, with both values
+};
+std::vector<HeldBackRow> held_back_rows(const std::vector<case_record::CaseRecord>& records);
+
+std::string render(const std::vector<HeldBackRow>& rows, Format format, bool colour = false);
+nlohmann::json to_json(const std::vector<HeldBackRow>& rows);
+
 }  // namespace compare

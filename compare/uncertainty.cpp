@@ -154,11 +154,13 @@ GridStudy grid_study(const std::vector<double>& cells, const std::vector<double>
   }
 
   const double spread = 1.0 / (static_cast<double>(n) - 1.0);  // range / (n - 1), what the standard deviation is held against
-  const bool trusted = !blind && (in_range || (free && order <= 2.1 && order >= 0.5)) && fit.deviation < spread;
+  const double lowest_trusted = blind ? 1.0 : 0.5;  // three meshes show no scatter: a slow fall of theirs may be one
+  const bool trusted = free && order >= lowest_trusted && order <= 2.1 && fit.deviation < spread;
   const double safety = trusted ? 1.25 : 3.0;
   // Where scatter hides the trend an extrapolation may go anywhere: it counts up to what three meshes without a trend get.
   const double wide = fit.deviation < spread ? safety * fit.error + fit.deviation + std::abs(fit.residual)
                                              : std::min(3.0, 3.0 * fit.deviation / spread * (fit.error + fit.deviation + std::abs(fit.residual)));
+  study.safety = safety;
   study.uncertainty = range * wide / 2.0;  // the procedure's figure covers 95 %
   study.extrapolated = finest + range * fit.at_zero;
   study.branch =

@@ -14,12 +14,14 @@ struct GridStudy {
   double uncertainty = 0.0;   ///< one standard uncertainty of the value on the finest mesh: half the 95 % figure of the procedure
   double extrapolated = 0.0;  ///< fitted value at cell size zero
   double order = 0.0;         ///< observed order; 0 where the branch does not use it
+  double safety = 3.0;        ///< factor from the fitted error, or the range of the data, to the 95 % figure
   std::string branch;         ///< how it was found: "observed order 1.83, safety factor 1.25", "data range ...", ...
 };
 
 /// Least-squares procedure of Eca and Hoekstra (2014): fit phi = phi_0 + alpha h^p, weighted and not, with fall-backs on fixed orders when
-/// p is outside [0.5, 2], and a safety factor 1.25 or 3. Differs: three meshes leave no freedom to see scatter, so they always get the
-/// factor 3, and three times the range of the data where p is below 0.5 or there is none; which also is the most that four or more get where scatter hides the trend.
+/// p is outside [0.5, 2], and a safety factor 1.25 or 3. Differs: three meshes leave no freedom to see scatter, so they get the factor 1.25 with
+/// an order of 1 to 2.1 only (Roache 1998, sec. 5.9), and three times the range of the data where p is below 0.5 or there is none; which also is
+/// the most that four or more get where scatter hides the trend. `dragval truth --held-back` shows how often that holds.
 /// @param cells   number of cells of each mesh; the cell size is cells^(-1/3)
 /// @param values  same order
 /// @throws std::invalid_argument  fewer than three meshes, sizes that do not match, or two meshes less than 5 % apart in cell size

@@ -49,3 +49,24 @@ TEST_CASE("a force that symmetry forbids is held against what else is open; spin
   CHECK(rows[0].poses == 1);
   CHECK(rows[0].null == Approx(2.0).epsilon(1e-10));
 }
+
+TEST_CASE("a finest mesh is held against what the meshes before it said", "[compare][truth][analytic]") {
+  // Sizes 4 : 2 : 1 (: 1/2). Two meshes of second order with difference d leave 2u = 3 d / 3 = d for what comes.
+  const std::vector<sample::CaseRecord> records{
+      cube("cube_a_re-1e5", 1.160, "coarse", 1000),  cube("cube_a_re-1e5", 1.040, "medium", 8000),    cube("cube_a_re-1e5", 1.010, "fine", 64000),
+      cube("cube_b_re-1e5", 1.160, "coarse", 1000),  cube("cube_b_re-1e5", 1.040, "medium", 8000),    cube("cube_b_re-1e5", 1.280, "fine", 64000),
+      cube("cube_c_re-1e5", 1.320, "coarse", 1000),  cube("cube_c_re-1e5", 1.080, "medium", 8000),    cube("cube_c_re-1e5", 1.020, "fine", 64000),
+      cube("cube_c_re-1e5", 1.005, "finest", 512000), cube("cube_d_re-1e5", 1.160, "coarse", 1000),    cube("cube_d_re-1e5", 1.040, "medium", 8000)};
+  const auto rows = compare::held_back_rows(records);
+  REQUIRE(rows.size() == 2);
+  CHECK(rows[0].rule == "three or more, factor 1.25");  // c: second order exactly, error 0.02 on the third, 2u = 1.25 times that
+  CHECK(rows[0].poses == 1);
+  CHECK(rows[0].largest == Approx(0.015 / (1.25 * 0.02)).epsilon(1e-3));
+  CHECK(rows[1].rule == "two meshes, factor 3");
+  CHECK(rows[1].poses == 2);
+  CHECK(rows[1].within == 1);
+  CHECK(rows[1].largest == Approx(2.0).epsilon(1e-12));
+  CHECK_THAT(rows[1].worst, Contains("cube_b"));
+  for (const auto format : {compare::Format::table, compare::Format::markdown, compare::Format::csv, compare::Format::json})
+    CHECK_THAT(compare::render(rows, format), Contains("cube_b"));
+}
