@@ -451,7 +451,10 @@ Check check_slurm() {
   check.good = ping.exit_code == 0 && ping.text.find(" UP") != std::string::npos;
   check.found = ping.text.substr(0, ping.text.find_last_not_of(" \n") + 1);
   if (!check.good) {
-    check.found.erase(0, check.found.rfind('\n') + 1);  // scontrol's complaints end with the one that counts
+    // Of all that scontrol says, the line that tells: its banners and its way there say nothing.
+    std::istringstream lines(ping.text);
+    for (std::string line; std::getline(lines, line);)
+      if (line.find(" DOWN") != std::string::npos || line.find("fatal") != std::string::npos) check.found = line;
     check.fix =
         "this machine needs the cluster's /etc/slurm/slurm.conf (or SLURM_CONF) and a running slurmctld and munged; docs/cluster.md";
   }
