@@ -198,7 +198,8 @@ void make_mesh(const nlohmann::json& request, const std::string& output) {
     gmsh::option::setNumber(source, 0);
   gmsh::option::setNumber("Mesh.MshFileVersion", 2.2);
   if (recipe.seed != 0.0) {
-    // The generator shakes its points by 1e-9 to avoid degenerate ones; a thousand times as much makes another triangulation of the same sizes, and more breaks it.
+    // The generator shakes its points by 1e-9 to avoid degenerate ones; a thousand times as much makes another triangulation of the same
+    // sizes, and more breaks it.
     gmsh::option::setNumber("Mesh.RandomSeed", recipe.seed);
     gmsh::option::setNumber("Mesh.RandomFactor", 1e-6);
     gmsh::option::setNumber("Mesh.RandomFactor3D", 1e-9);

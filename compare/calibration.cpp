@@ -13,9 +13,9 @@
 #include <set>
 #include <stdexcept>
 
+#include "compare/case_of_record.hpp"
 #include "compare/coefficients.hpp"
 #include "compare/prediction.hpp"
-#include "compare/case_of_record.hpp"
 
 namespace compare {
 
@@ -29,8 +29,8 @@ using Eigen::VectorXd;
 struct Parameter {
   std::string name;
   double low, high;
-  double null;  ///< value of the null model
-  double note;  ///< value of the note
+  double null;                    ///< value of the null model
+  double note;                    ///< value of the note
   std::optional<double> start{};  ///< of the search; else half a unit above `low`
 };
 
@@ -40,7 +40,7 @@ struct Problem {
   std::vector<const CaseRecord*> cases;  ///< of every residual
   std::function<double(std::size_t, const double*)> residual;
   std::function<void(const std::vector<std::size_t>&, const double*, double*)> residuals{};  ///< of many at once, where that is cheaper
-  std::size_t channels = 1;  ///< residuals that one case has, in a row
+  std::size_t channels = 1;                                                                  ///< residuals that one case has, in a row
   int bootstrap_draws = 400;  ///< the 2.5 % quantile then rests on ten refits
 
   VectorXd vector(double Parameter::*member) const {
@@ -73,7 +73,8 @@ VectorXd solve(const Problem& problem, const std::vector<std::size_t>& subset) {
   for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
     const Parameter& parameter = problem.parameters[i];
     // A start on the bound would have no room for the difference quotient.
-    values[static_cast<Eigen::Index>(i)] = parameter.start.value_or(parameter.low + 0.5 * (std::min(parameter.high, parameter.low + 1.0) - parameter.low));
+    values[static_cast<Eigen::Index>(i)] =
+        parameter.start.value_or(parameter.low + 0.5 * (std::min(parameter.high, parameter.low + 1.0) - parameter.low));
     system.SetParameterLowerBound(values.data(), static_cast<int>(i), parameter.low);
     system.SetParameterUpperBound(values.data(), static_cast<int>(i), parameter.high);
   }
@@ -170,7 +171,9 @@ Fit fit(const Problem& problem, const std::string& name, const std::string& targ
     up[k] += step;
     down[k] -= step;
     for (Eigen::Index i = 0; i < n; ++i)
-      slope(i, k) = (problem.residual(static_cast<std::size_t>(i), up.data()) - problem.residual(static_cast<std::size_t>(i), down.data())) / (2 * step);
+      slope(i, k) =
+          (problem.residual(static_cast<std::size_t>(i), up.data()) - problem.residual(static_cast<std::size_t>(i), down.data())) /
+          (2 * step);
     if (slope.col(k).norm() > 0.0) slope.col(k).normalize();
   }
   const MatrixXd normal = slope.transpose() * slope;
@@ -179,10 +182,12 @@ Fit fit(const Problem& problem, const std::string& name, const std::string& targ
   const MatrixXd covariance = normal.completeOrthogonalDecomposition().pseudoInverse();
   for (Eigen::Index i = 0; i < m; ++i) {
     result.correlation.emplace_back();
-    for (Eigen::Index j = 0; j < m; ++j) result.correlation.back().push_back(covariance(i, j) / std::sqrt(covariance(i, i) * covariance(j, j)));
+    for (Eigen::Index j = 0; j < m; ++j)
+      result.correlation.back().push_back(covariance(i, j) / std::sqrt(covariance(i, i) * covariance(j, j)));
   }
 
-  const auto before = residuals_at(problem, problem.vector(&Parameter::null)), note = residuals_at(problem, problem.vector(&Parameter::note));
+  const auto before = residuals_at(problem, problem.vector(&Parameter::null)),
+             note = residuals_at(problem, problem.vector(&Parameter::note));
   const auto after = residuals_at(problem, best);
   const auto no_pose = left_out_residuals(problem, pose_of), no_shape = left_out_residuals(problem, shape_of);
   std::vector<std::string> groups{"all"};
@@ -350,8 +355,9 @@ Calibration calibrate_class_laws(const std::vector<CaseRecord>& records) {
   Calibration calibration;
   for (const auto& [law, cases] : {std::pair(&sheet, &sheets), std::pair(&other, &closed)}) {
     if (cases->size() < 2 * law->parameters.size())
-      throw std::invalid_argument("calibrate: " + std::to_string(cases->size()) + " usable cases for the law '" + law->name + "' at Re >= 1e4 that are not held out, but at least " +
-                                  std::to_string(2 * law->parameters.size()) + " are needed; solve more of the matrix `reference`");
+      throw std::invalid_argument("calibrate: " + std::to_string(cases->size()) + " usable cases for the law '" + law->name +
+                                  "' at Re >= 1e4 that are not held out, but at least " + std::to_string(2 * law->parameters.size()) +
+                                  " are needed; solve more of the matrix `reference`");
     calibration.fits.push_back(fit_class_law(*law, *cases));
   }
   return calibration;
@@ -379,8 +385,9 @@ Calibration calibrate(const std::vector<CaseRecord>& records) {
       cases.push_back(&record);
   }
   if (cases.size() < 3)
-    throw std::invalid_argument("calibrate: " + std::to_string(cases.size()) +
-                                " usable cases of plate, cube or cone at Re >= 1e4, but at least 3 are needed; run `dragval run quick` first");
+    throw std::invalid_argument(
+        "calibrate: " + std::to_string(cases.size()) +
+        " usable cases of plate, cube or cone at Re >= 1e4, but at least 3 are needed; run `dragval run quick` first");
   Calibration calibration;
   calibration.fits.push_back(fit_drag(cases));
   const dragcore::Law fitted = calibration.fits.front().model.law;

@@ -20,10 +20,10 @@ struct Estimate {
 
 /// Root-mean-square errors of one quantity over a set of cases.
 struct FitErrors {
-  std::string group;      ///< "all", or a shape
+  std::string group;  ///< "all", or a shape
   int n = 0;
-  double before = 0.0;    ///< the null model: pillow factor 0, or the note's own law with scale 1 and no suction
-  double note = 0.0;      ///< the note's own constant (pillow factor 1; for C_D the same as `before`)
+  double before = 0.0;  ///< the null model: pillow factor 0, or the note's own law with scale 1 and no suction
+  double note = 0.0;    ///< the note's own constant (pillow factor 1; for C_D the same as `before`)
   double in_sample = 0.0;
   double left_out_pose = 0.0;   ///< each orientation predicted by a fit to all others
   double left_out_shape = 0.0;  ///< each shape predicted by a fit to all others; not a number when there is one shape only
@@ -37,23 +37,24 @@ struct Fit {
   std::vector<std::vector<double>> correlation;  ///< of the estimates
   double condition_number = 1.0;                 ///< of the scaled normal matrix
   std::vector<FitErrors> errors;
-  std::vector<std::string> cases;                ///< names of those used
-  dragcore::Model model;                         ///< with the fitted coefficients
+  std::vector<std::string> cases;  ///< names of those used
+  dragcore::Model model;           ///< with the fitted coefficients
 };
 
 struct Calibration {
   std::vector<Fit> fits;
-  std::optional<Fit> by_class_pillow{};  ///< the tilt form on the laws by class; its `model` is for pillow alone
+  std::optional<Fit> by_class_pillow{};           ///< the tilt form on the laws by class; its `model` is for pillow alone
   const Fit& fit(const std::string& name) const;  ///< @throws std::out_of_range
 };
 
-/// Fits scale and base suction of scaled_law() to C_D, then the factor of each pillow form, on the note's law and on the fitted one, to the force arm.
-/// Uses usable cases of plates, cubes and cones at Re >= 1e4 that are not marked held_out; other shapes are never fitted.
+/// Fits scale and base suction of scaled_law() to C_D, then the factor of each pillow form, on the note's law and on the fitted one, to the
+/// force arm. Uses usable cases of plates, cubes and cones at Re >= 1e4 that are not marked held_out; other shapes are never fitted.
 /// @throws std::invalid_argument when fewer than three cases qualify
 Calibration calibrate(const std::vector<case_record::CaseRecord>& records);
 
-/// Fits dragcore's laws by class, sheet_law() and closed_law(), to the force vector of all usable turbulent cases that are not held out; each case
-/// weighs by its relative error. Numbers of the laws that are not fitted keep their values. Takes a minute: every error estimate is a refit.
+/// Fits dragcore's laws by class, sheet_law() and closed_law(), to the force vector of all usable turbulent cases that are not held out;
+/// each case weighs by its relative error. Numbers of the laws that are not fitted keep their values. Takes a minute: every error estimate
+/// is a refit.
 /// @throws std::invalid_argument  with fewer than two cases per parameter
 Calibration calibrate_class_laws(const std::vector<case_record::CaseRecord>& records);
 

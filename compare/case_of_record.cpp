@@ -25,7 +25,8 @@ std::string variant_of(const CaseFamily& family) { return split_name(family.reco
 auto question_of(const CaseRecord& record) {
   const auto rounded = [](double value) { return std::llround(value * 1e6); };
   const Vector3d& spin = record.angular_velocity;
-  return std::tuple(dragcore::kind(record.shape), dragcore::parameters(record.shape), flow_class(record.flow_model), rounded(record.reynolds), record.still_air,
+  return std::tuple(dragcore::kind(record.shape), dragcore::parameters(record.shape), flow_class(record.flow_model),
+                    rounded(record.reynolds), record.still_air,
                     std::array{rounded(record.pose.incidence), rounded(record.pose.yaw), rounded(record.pose.roll), rounded(spin.x()),
                                rounded(spin.y()), rounded(spin.z())});
 }
@@ -42,7 +43,8 @@ void add_method(CaseFamily& family, double relative) {
 Vector3d force_coefficients(const CaseFamily& family) { return coefficients(*family.record).values.head<3>(); }
 double force_uncertainty(const CaseFamily& family, const Channels& u) { return u.head<3>().norm() / coefficient_scales(*family.record)[0]; }
 
-/// Of the force vector; of the moment, of a body that spins in still air. Relative to the family's own: a method that finds too little is not surer for it.
+/// Of the force vector; of the moment, of a body that spins in still air. Relative to the family's own: a method that finds too little is
+/// not surer for it.
 double relative_uncertainty(const CaseFamily& family) {
   const CaseRecord& record = *family.record;
   return record.still_air ? family.uncertainty.total.tail<3>().norm() / record.load.moment().norm()
@@ -66,7 +68,8 @@ void add_branches(std::vector<CaseFamily>& families) {
 /// The two were solved by the same method on the same mesh: what they share does not excuse their difference.
 bool on_another_branch(const CaseFamily& a, const CaseFamily& b) {
   const bool stepped = (variant_of(a) == "up" && variant_of(b) == "down") || (variant_of(a) == "down" && variant_of(b) == "up");
-  if (!stepped || a.record->flow_model != b.record->flow_model || !is_usable(a.record->status) || !is_usable(b.record->status)) return false;
+  if (!stepped || a.record->flow_model != b.record->flow_model || !is_usable(a.record->status) || !is_usable(b.record->status))
+    return false;
   const double u = std::hypot(force_uncertainty(a, a.uncertainty.numerical), force_uncertainty(b, b.uncertainty.numerical));
   return (force_coefficients(a) - force_coefficients(b)).norm() > 2.0 * u;
 }
@@ -76,7 +79,8 @@ std::string value_text(const CaseFamily& family) {
   const Vector3d c = force_coefficients(family);
   const bool sideways = family.record->pose.yaw != 0.0;
   return fmt::format("{}: C_D {:.3f}, {} {:.3f}, u {:.1f} % ({:.1f} % the method)", family.record->name, c[0], sideways ? "C_S" : "C_L",
-                     sideways ? c[1] : c[2], 100.0 * relative_uncertainty(family), 100.0 * force_uncertainty(family, family.uncertainty.method) / c.norm());
+                     sideways ? c[1] : c[2], 100.0 * relative_uncertainty(family),
+                     100.0 * force_uncertainty(family, family.uncertainty.method) / c.norm());
 }
 
 CaseOfRecord chosen_from(std::vector<CaseFamily> families) {
@@ -90,10 +94,12 @@ CaseOfRecord chosen_from(std::vector<CaseFamily> families) {
     const std::string variant = variant_of(family);
     return variant.empty() || variant == "up" || variant == "down";
   };
-  if (std::any_of(families.begin(), families.end(), ordinary)) std::erase_if(families, [&](const CaseFamily& family) { return !ordinary(family); });
+  if (std::any_of(families.begin(), families.end(), ordinary))
+    std::erase_if(families, [&](const CaseFamily& family) { return !ordinary(family); });
 
   const auto rank = [](const CaseFamily& family) { return std::tuple(!is_usable(family.record->status), relative_uncertainty(family)); };
-  const auto best = std::min_element(families.begin(), families.end(), [&](const CaseFamily& a, const CaseFamily& b) { return rank(a) < rank(b); });
+  const auto best =
+      std::min_element(families.begin(), families.end(), [&](const CaseFamily& a, const CaseFamily& b) { return rank(a) < rank(b); });
   CaseOfRecord result;
   result.family = std::move(*best);
   families.erase(best);

@@ -41,7 +41,8 @@ bool read_selector(CaseSelector& selector, const std::string& key, const toml::n
   else if (key == "flow_model")
     selector.flow_model = node.value<std::string>().value();
   else if (key == "ratios")
-    for (const auto& [ratio, value] : *node.as_table()) selector.ratios[std::string(ratio.str())] = range_from(value, 0.01 * value.value_or(0.0));
+    for (const auto& [ratio, value] : *node.as_table())
+      selector.ratios[std::string(ratio.str())] = range_from(value, 0.01 * value.value_or(0.0));
   else if (key == "incidence_deg")
     selector.incidence_deg = range_from(node, half_degree);
   else if (key == "yaw_deg")

@@ -14,7 +14,7 @@ struct CaseSelector {
   using Range = std::pair<double, double>;
   static constexpr Range any{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
 
-  std::string shape;                    ///< kind of shape
+  std::string shape;  ///< kind of shape
   std::string flow_model;
   std::map<std::string, Range> ratios;  ///< "span/chord" or "apex_angle_deg": parameters of the shape, or ratios of two of them
   Range incidence_deg = any;

@@ -46,13 +46,15 @@ std::vector<ModelCost> model_costs(const std::vector<const CaseRecord*>& cases, 
     dragcore::Law by_class = dragcore::law_for(surface.body_class);
     by_class.name = "by class";
     for (const dragcore::Law& law : {dragcore::note_law(), dragcore::consistent_law(), fitted, by_class})
-      for (const auto form : {dragcore::PillowForm::none, dragcore::PillowForm::triangle, dragcore::PillowForm::patch, dragcore::PillowForm::tilt}) {
+      for (const auto form :
+           {dragcore::PillowForm::none, dragcore::PillowForm::triangle, dragcore::PillowForm::patch, dragcore::PillowForm::tilt}) {
         dragcore::Model model{.law = law};
         if (law.name == by_class.name) {
           if (form != dragcore::PillowForm::none && form != dragcore::class_pillow().form) continue;
           if (form != dragcore::PillowForm::none) model.pillow = dragcore::class_pillow();
         } else if (form != dragcore::PillowForm::none)
-          model.pillow = calibration.fit("pillow " + to_string(form) + " on law " + (law.name == fitted.name ? fitted.name : "note")).model.pillow;
+          model.pillow =
+              calibration.fit("pillow " + to_string(form) + " on law " + (law.name == fitted.name ? fitted.name : "note")).model.pillow;
         double drag = 0.0, moment = 0.0;
         for (const CaseRecord* record : cases) {
           const dragcore::Wrench wrench = predict(*record, model, divisions).total();
@@ -96,7 +98,8 @@ CostTable measure_cost(const std::vector<CaseRecord>& records, const Calibration
     if (fitted.contains(family.record->name)) by_shape[dragcore::kind(family.record->shape)].push_back(family.record);
     for (const CaseRecord* level : family.levels) {
       if (!is_usable(level->status)) continue;
-      CfdCost row{.case_name = level->name, .shape = dragcore::kind(level->shape), .mesh_level = level->mesh_level, .reynolds = level->reynolds};
+      CfdCost row{
+          .case_name = level->name, .shape = dragcore::kind(level->shape), .mesh_level = level->mesh_level, .reynolds = level->reynolds};
       row.cells = level->cells;
       row.iterations = level->iterations;
       row.mesh_s = cpu_of(*level, "mesh");
@@ -117,7 +120,8 @@ CostTable measure_cost(const std::vector<CaseRecord>& records, const Calibration
 
 std::vector<CostCheck> check_cost(const std::vector<CaseRecord>& records, const CostPredictor& predict) {
   std::vector<CostCheck> checks;
-  for (const char* quantity : {"cells", "iterations", "mesh", "convert", "solve", "post", "total"}) checks.push_back({.quantity = quantity});
+  for (const char* quantity : {"cells", "iterations", "mesh", "convert", "solve", "post", "total"})
+    checks.push_back({.quantity = quantity});
   for (const CaseRecord& record : records) {
     if (!is_usable(record.status) && record.status != case_record::Status::drifting) continue;
     const auto predicted = predict(record);

@@ -17,9 +17,9 @@ struct ModelCost {
   std::string pillow;
   int quadrature = 1;
   int triangles = 0;
-  double microseconds = 0.0;       ///< per evaluation, one thread, median of repetitions
-  double spinning_microseconds = 0.0;  ///< the same for a body that also spins: then the order of quadrature matters
-  double rms_drag_error = 0.0;     ///< of C_D
+  double microseconds = 0.0;               ///< per evaluation, one thread, median of repetitions
+  double spinning_microseconds = 0.0;      ///< the same for a body that also spins: then the order of quadrature matters
+  double rms_drag_error = 0.0;             ///< of C_D
   std::optional<double> rms_moment_error;  ///< of C_m or C_n
   int cases = 0;
 };

@@ -37,8 +37,8 @@ struct Driven {
   }
 };
 
-/// Standard uncertainty of the CFD's coefficients, with the part of the method or without. A force that is wrong by some per cent has the same line
-/// of action: x_cp has no part of the method.
+/// Standard uncertainty of the CFD's coefficients, with the part of the method or without. A force that is wrong by some per cent has the
+/// same line of action: x_cp has no part of the method.
 double channel_uncertainty(const CaseRecord& record, const LoadUncertainty& u, Channel channel, bool with_method) {
   const auto index = static_cast<Eigen::Index>(channel);
   if (channel != Channel::centre_of_pressure) return (with_method ? u.total : u.numerical)[index] / coefficient_scales(record)[index];
@@ -267,7 +267,8 @@ void write_comparison(const std::filesystem::path& path, const std::vector<Error
       numbers("cfd", {"1", "coefficient of the reference", "wind", "u"}, [](const ErrorRow& row) { return row.cfd; });
       numbers("u", {"1", "standard uncertainty of cfd", "", ""}, [](const ErrorRow& row) { return row.u; });
       numbers("u_numerical", {"1", "the part of u that is not of the method", "", ""}, [](const ErrorRow& row) { return row.u_numerical; });
-      numbers("other_branch", {"1", "coefficient on the other branch of the flow", "wind", ""}, [](const ErrorRow& row) { return row.other_branch; });
+      numbers("other_branch", {"1", "coefficient on the other branch of the flow", "wind", ""},
+              [](const ErrorRow& row) { return row.other_branch; });
       numbers("discretisation_assessed", {"1", "1: u holds the part of the mesh", "", ""},
               [](const ErrorRow& row) { return row.discretisation_assessed ? 1.0 : 0.0; });
       numbers("error", {"1", "model - cfd", "", "u"}, [](const ErrorRow& row) { return row.error; });

@@ -39,9 +39,10 @@ TextGrid rows_grid(const std::vector<const ErrorRow*>& rows) {
   grid.add({"orientation", "", "model", "CFD", "u", "error", "relative", "verdict", "published", "CFD to it"});
   std::string previous;
   for (const ErrorRow* row : rows) {
-    const std::string where = row->status == "missing" ? row->case_name
-                                                       : orientation(*row) + (row->flow_model != flow_class(row->flow_model) ? ", scale-resolving" : "") +
-                                                             (row->held_out ? " (held out)" : "");
+    const std::string where = row->status == "missing"
+                                  ? row->case_name
+                                  : orientation(*row) + (row->flow_model != flow_class(row->flow_model) ? ", scale-resolving" : "") +
+                                        (row->held_out ? " (held out)" : "");
     const bool usable = row->cfd || row->status == "steady" || row->status == "statistically_steady";
     const fmt::text_style style = !usable                             ? fg(fmt::terminal_color::red)
                                   : row->verdict == Verdict::resolved ? fg(fmt::terminal_color::yellow)
@@ -180,7 +181,8 @@ std::string render(const ErrorTable& table, Format format, bool colour) {
   if (!table.published.empty())
     text += block("The CFD against published values, on the reference area of docs/conventions.md", truth_grid(table.published));
   text +=
-      "u: one standard uncertainty of the CFD, the part of its method included; u*: without the part of the mesh, which one level alone does not show. resolved: "
+      "u: one standard uncertainty of the CFD, the part of its method included; u*: without the part of the mesh, which one level alone "
+      "does not show. resolved: "
       "|error| > 2u.\n";
   for (const std::string& note : table.notes) text += (terminal ? "" : "* ") + note + "\n";
   return text;

@@ -23,7 +23,8 @@ double asymmetry(const CaseFamily& family) {
   double worst = 0.0;
   for (Eigen::Index k = 1; k < 3; ++k) {
     const double null = family.record->u_null[k];
-    const double open = std::hypot(std::max(u.discretisation[k], u.discretisation[0]), family.record->u_iteration[k], family.record->u_statistical[k]);
+    const double open =
+        std::hypot(std::max(u.discretisation[k], u.discretisation[0]), family.record->u_iteration[k], family.record->u_statistical[k]);
     if (null > 0.0) worst = std::max(worst, open > 0.0 ? null / open : HUGE_VAL);
   }
   return worst;
@@ -79,25 +80,29 @@ std::string render(const std::vector<MeshRow>& rows, Format format, bool colour)
   if (format == Format::csv) {
     std::string text = "body,flow,aim,poses,within_aim,three_levels,two_levels,carried,unknown,median,largest,worst,null\n";
     for (const MeshRow& row : rows)
-      text += csv_line({row.body, row.flow, fmt::format("{:g}", row.aim), std::to_string(row.poses), std::to_string(row.within_aim), std::to_string(row.three_levels),
-                        std::to_string(row.two_levels), std::to_string(row.carried), std::to_string(row.unknown), fmt::format("{:.9g}", row.median),
-                        fmt::format("{:.9g}", row.largest), row.worst, fmt::format("{:.9g}", row.null)});
+      text += csv_line({row.body, row.flow, fmt::format("{:g}", row.aim), std::to_string(row.poses), std::to_string(row.within_aim),
+                        std::to_string(row.three_levels), std::to_string(row.two_levels), std::to_string(row.carried),
+                        std::to_string(row.unknown), fmt::format("{:.9g}", row.median), fmt::format("{:.9g}", row.largest), row.worst,
+                        fmt::format("{:.9g}", row.null)});
     return text;
   }
   TextGrid grid;
-  grid.add({"body", "flow", "poses", "of 3 levels", "of 2", "carried", "unknown", "median u", "largest u", "aim", "within", "null", "largest in"});
+  grid.add({"body", "flow", "poses", "of 3 levels", "of 2", "carried", "unknown", "median u", "largest u", "aim", "within", "null",
+            "largest in"});
   int poses = 0, within = 0;
   for (const MeshRow& row : rows) {
     const bool known = row.unknown < row.poses;
-    grid.add({row.body, row.flow, std::to_string(row.poses), std::to_string(row.three_levels), std::to_string(row.two_levels), std::to_string(row.carried),
-              std::to_string(row.unknown), known ? percent(row.median) : "", known ? percent(row.largest) : "", percent(row.aim),
-              fmt::format("{} of {}", row.within_aim, row.poses), row.null > 0.0 ? fmt::format("{:.2f}", row.null) : "", row.worst},
+    grid.add({row.body, row.flow, std::to_string(row.poses), std::to_string(row.three_levels), std::to_string(row.two_levels),
+              std::to_string(row.carried), std::to_string(row.unknown), known ? percent(row.median) : "", known ? percent(row.largest) : "",
+              percent(row.aim), fmt::format("{} of {}", row.within_aim, row.poses), row.null > 0.0 ? fmt::format("{:.2f}", row.null) : "",
+              row.worst},
              row.within_aim == row.poses ? fmt::text_style{} : fg(fmt::terminal_color::yellow));
     poses += row.poses, within += row.within_aim;
   }
   const std::string title = "What the mesh leaves open of C_D: u_disc over C_D, by body and flow";
   const std::string legend = fmt::format(
-      "{} of {} poses are within their aim. of 3 levels: three or more meshes; of 2: two, safety factor 3; carried: from the nearest case of three.\n"
+      "{} of {} poses are within their aim. of 3 levels: three or more meshes; of 2: two, safety factor 3; carried: from the nearest case "
+      "of three.\n"
       "null: force components that symmetry makes zero, at their largest, over what mesh and iteration leave open; below 1 is inside.\n",
       within, poses);
   if (format == Format::table) return title + "\n" + aligned(grid, colour) + legend;
@@ -145,8 +150,9 @@ std::vector<HeldBackRow> held_back_rows(const std::vector<case_record::CaseRecor
     if (share <= 1.0) ++row.within;
     const double to_coefficient = 1.0 / coefficient_scales(*family.record)[0];
     if (share >= row.largest)
-      row.largest = share, row.worst = fmt::format("{}: C_D {:.4f} +- {:.4f} (2u), then {:.4f}", levels.back()->name, drag.back() * to_coefficient,
-                                                   2.0 * study.uncertainty * to_coefficient, truth * to_coefficient);
+      row.largest = share,
+      row.worst = fmt::format("{}: C_D {:.4f} +- {:.4f} (2u), then {:.4f}", levels.back()->name, drag.back() * to_coefficient,
+                              2.0 * study.uncertainty * to_coefficient, truth * to_coefficient);
   }
   std::vector<HeldBackRow> list;
   for (auto& [key, row] : rows) {
@@ -168,10 +174,13 @@ std::string render(const std::vector<HeldBackRow>& rows, Format format, bool col
   TextGrid grid;
   grid.add({"u of", "flow", "next mesh within 2u", "median", "largest", "largest in"});
   for (const HeldBackRow& row : rows)
-    grid.add({row.rule, row.flow, fmt::format("{} of {}", row.within, row.poses), fmt::format("{:.2f}", row.median), fmt::format("{:.2f}", row.largest), row.worst},
+    grid.add({row.rule, row.flow, fmt::format("{} of {}", row.within, row.poses), fmt::format("{:.2f}", row.median),
+              fmt::format("{:.2f}", row.largest), row.worst},
              row.within == row.poses ? fmt::text_style{} : fg(fmt::terminal_color::yellow));
   const std::string title = "Does u_disc hold? The finest mesh of each pose against the meshes before it";
-  const std::string legend = "median, largest: distance in C_D over 2u, where 2u is meant for 95 %. Of second order, and without a safety factor, half of it shows on the next mesh.\n";
+  const std::string legend =
+      "median, largest: distance in C_D over 2u, where 2u is meant for 95 %. Of second order, and without a safety factor, half of it "
+      "shows on the next mesh.\n";
   if (format == Format::table) return title + "\n" + aligned(grid, colour) + legend;
   return "### " + title + "\n\n" + markdown(grid) + "\n" + legend;
 }
@@ -179,7 +188,13 @@ std::string render(const std::vector<HeldBackRow>& rows, Format format, bool col
 nlohmann::json to_json(const std::vector<HeldBackRow>& rows) {
   nlohmann::json list = nlohmann::json::array();
   for (const HeldBackRow& row : rows)
-    list.push_back({{"rule", row.rule}, {"flow", row.flow}, {"poses", row.poses}, {"within", row.within}, {"median", row.median}, {"largest", row.largest}, {"worst", row.worst}});
+    list.push_back({{"rule", row.rule},
+                    {"flow", row.flow},
+                    {"poses", row.poses},
+                    {"within", row.within},
+                    {"median", row.median},
+                    {"largest", row.largest},
+                    {"worst", row.worst}});
   return list;
 }
 

@@ -14,8 +14,8 @@ namespace compare {
 struct NoteRow {
   std::string label;  ///< "Cube at 45 deg"
   double published = 0.0;
-  std::optional<double> cfd;  ///< empty when no usable record fits
-  double u = 0.0;             ///< standard uncertainty of `cfd`, as far as assessed
+  std::optional<double> cfd;             ///< empty when no usable record fits
+  double u = 0.0;                        ///< standard uncertainty of `cfd`, as far as assessed
   bool discretisation_assessed = false;  ///< false: `u` lacks the part of the mesh and is printed with a *
   std::string case_name;
   std::vector<std::optional<double>> laws;  ///< in the order of the models asked for

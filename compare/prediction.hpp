@@ -30,9 +30,8 @@ struct NamedModel {
   ModelChoice choice;
 };
 
-/// What the drag model says about a case: body in the pose, wind along +x of the wind frame (none in still air), at the case's speed, spin and
-/// density.
-/// A plate without thickness is two-sided.
+/// What the drag model says about a case: body in the pose, wind along +x of the wind frame (none in still air), at the case's speed, spin
+/// and density. A plate without thickness is two-sided.
 /// @param divisions  of the triangulation; 0 takes default_divisions()
 /// @return           force [N] and moment about the body's centroid [N m], wind frame, by term
 dragcore::WrenchByTerm predict(const case_record::CaseRecord& record, const ModelChoice& choice, int divisions = 0);

@@ -82,7 +82,8 @@ PublishedValue PublishedEntry::on_reference_area(const CaseRecord& record) const
   PublishedValue converted = published;
   // A force normal to the plate has the direction of its incidence: the one value that depends on the case.
   if (quantity == "force_angle_deg") converted.value = record.pose.incidence / deg;
-  const double factor = area_factor * std::pow(record.reynolds, reynolds_power) * (1.0 + reynolds_squared * record.reynolds * record.reynolds);
+  const double factor =
+      area_factor * std::pow(record.reynolds, reynolds_power) * (1.0 + reynolds_squared * record.reynolds * record.reynolds);
   converted.value *= factor;
   converted.uncertainty *= std::abs(factor);
   return converted;
@@ -108,7 +109,8 @@ namespace {
 
 using Quantity = std::function<double(const CaseRecord&, const Vector3d& force, const Vector3d& moment)>;
 
-/// The errors of a mesh in lift and drag go together, and cancel in the angle: an angle has the mesh error of its own values over the levels.
+/// The errors of a mesh in lift and drag go together, and cancel in the angle: an angle has the mesh error of its own values over the
+/// levels.
 double numerical_uncertainty(const CaseFamily& family, const Quantity& quantity, bool is_angle) {
   const CaseRecord& record = *family.record;
   LoadUncertainty::Channels u = family.uncertainty.numerical;
@@ -116,12 +118,14 @@ double numerical_uncertainty(const CaseFamily& family, const Quantity& quantity,
   double mesh = 0.0;
   if (is_angle && levels.size() >= 2) try {
       std::vector<double> cells, values;
-      for (const CaseRecord* level : levels) cells.push_back(level->cells), values.push_back(quantity(*level, level->load.force(), level->load.moment()));
+      for (const CaseRecord* level : levels)
+        cells.push_back(level->cells), values.push_back(quantity(*level, level->load.force(), level->load.moment()));
       mesh = (levels.size() == 2 ? two_grid_study(cells, values) : grid_study(cells, values)).uncertainty;
       u = (u.cwiseAbs2() - family.uncertainty.discretisation.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
     } catch (const std::invalid_argument&) {  // refused meshes: the forces have what is carried
     }
-  return std::hypot(mesh, propagated(record, u, [&](const Vector3d& f, const Vector3d& m) { return std::optional(quantity(record, f, m)); }));
+  return std::hypot(mesh,
+                    propagated(record, u, [&](const Vector3d& f, const Vector3d& m) { return std::optional(quantity(record, f, m)); }));
 }
 
 void add_checks(std::vector<PublishedCheck>& checks, const CaseFamily& family, bool of_record) {
@@ -131,7 +135,9 @@ void add_checks(std::vector<PublishedCheck>& checks, const CaseFamily& family, b
   const LoadUncertainty& u = family.uncertainty;
   for (const PublishedEntry& entry : published_entries()) {
     if (!entry.fits(record)) continue;
-    const Quantity quantity = [&](const CaseRecord& level, const Vector3d& f, const Vector3d& m) { return measured(level, entry.quantity, f, m); };
+    const Quantity quantity = [&](const CaseRecord& level, const Vector3d& f, const Vector3d& m) {
+      return measured(level, entry.quantity, f, m);
+    };
     PublishedCheck check{.case_name = record.name, .flow_model = record.flow_model, .of_record = of_record, .quantity = entry.quantity};
     check.cfd = quantity(record, force, moment);
     check.u = numerical_uncertainty(family, quantity, check.is_angle());

@@ -24,13 +24,13 @@ struct PublishedValue {
 /// One entry of published.toml: a value and the cases that it belongs to.
 struct PublishedEntry {
   CaseSelector cases;
-  std::string quantity;                ///< "C_D", "C_L", "C_m", "force_angle_deg"; "C_spin", of bodies that spin in still air
-  PublishedValue published;            ///< on its own area
-  double area_factor = 1.0;            ///< value on A_ref of docs/conventions.md = area_factor times the published one
-  double reynolds_power = 0.0;         ///< the published value goes with Re^power ...
-  double reynolds_squared = 0.0;       ///< ... times (1 + this times Re^2), the next term of a series
-  std::optional<double> goal;          ///< largest difference that this project asks of its CFD chain: %, or degrees for an angle
-  std::string note_label;              ///< row of the note's own table of drag coefficients, or empty
+  std::string quantity;           ///< "C_D", "C_L", "C_m", "force_angle_deg"; "C_spin", of bodies that spin in still air
+  PublishedValue published;       ///< on its own area
+  double area_factor = 1.0;       ///< value on A_ref of docs/conventions.md = area_factor times the published one
+  double reynolds_power = 0.0;    ///< the published value goes with Re^power ...
+  double reynolds_squared = 0.0;  ///< ... times (1 + this times Re^2), the next term of a series
+  std::optional<double> goal;     ///< largest difference that this project asks of its CFD chain: %, or degrees for an angle
+  std::string note_label;         ///< row of the note's own table of drag coefficients, or empty
 
   bool fits(const case_record::CaseRecord& record) const;
   PublishedValue on_reference_area(const case_record::CaseRecord& record) const;

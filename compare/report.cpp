@@ -33,7 +33,8 @@ Report make_report(Reference reference, std::vector<CaseRecord> spinning, const 
   Report report{.reference = std::move(reference), .spinning = std::move(spinning)};
   const std::vector<CaseRecord>& cases = report.reference.cases;
   const auto add = [&](const ModelChoice& choice) {
-    report.models.push_back({law_label(choice.by_class ? "by class" : choice.model.law.name), to_string(choice.model.pillow.form), choice, {}});
+    report.models.push_back(
+        {law_label(choice.by_class ? "by class" : choice.model.law.name), to_string(choice.model.pillow.form), choice, {}});
     ReportedModel& added = report.models.back();
     added.table = compare_with(cases, predictor(choice), added.label(), missing);
   };

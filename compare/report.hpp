@@ -26,7 +26,7 @@ struct ReportedModel {
 
 /// Everything that the page is made of.
 struct Report {
-  Reference reference;  ///< bodies at rest
+  Reference reference;                     ///< bodies at rest
   std::vector<CaseRecord> spinning;        ///< and those that spin
   std::vector<ReportedModel> models;       ///< the laws without pillow first, the note's at their head; then each fitted pillow
   std::optional<Calibration> calibration;  ///< empty when the references do not suffice, and then:

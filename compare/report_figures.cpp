@@ -54,9 +54,9 @@ json panel_axis(const std::string& title) {
 
 /// One scale for all figures; `names` are those that this one shows. Laws are lines, or rings where they are points.
 json series_colour(const std::vector<std::string>& names, const char* law_symbol = "stroke") {
-  static const std::map<std::string, std::string> colours = {{"note's law", "#0072b2"},     {"consistent law", "#e69f00"},
-                                                             {"calibrated law", "#009e73"}, {"law by class", "#cc79a7"}, {openfoam, "#000000"},
-                                                             {openfoam_point, "#000000"},   {published, "#d55e00"}};
+  static const std::map<std::string, std::string> colours = {
+      {"note's law", "#0072b2"}, {"consistent law", "#e69f00"}, {"calibrated law", "#009e73"}, {"law by class", "#cc79a7"},
+      {openfoam, "#000000"},     {openfoam_point, "#000000"},   {published, "#d55e00"}};
   json range = json::array();
   for (const std::string& name : names) range.push_back(colours.at(name));
   const std::string symbol =
@@ -195,7 +195,8 @@ json face_pressure_figure(const Report& report, const std::vector<Sweep>& list) 
     if (model.pillow != "none" || model.choice.by_class) continue;  // by class is no curve of c alone
     for (int i = -50; i <= 50; ++i) {
       const double c = i / 50.0;
-      const double pressure = c > 0 ? dragcore::evaluate(model.choice.model.law.windward, c) : -dragcore::evaluate(model.choice.model.law.leeward, -c);
+      const double pressure =
+          c > 0 ? dragcore::evaluate(model.choice.model.law.windward, c) : -dragcore::evaluate(model.choice.model.law.leeward, -c);
       lines.push_back({{"c", c}, {"pressure", pressure}, {"series", model.law}});
     }
   }

@@ -380,24 +380,32 @@ std::string errors_section(const Report& report, const std::vector<Sweep>& list)
 // --- 5. CFD against published values ---------------------------------------------------------------------------------------------------
 
 std::string published_section(const Report& report) {
-  Table table{.id = "published-table", .caption = "OpenFOAM against published values, on the reference areas of docs/conventions.md. Here <i>u</i> is numerical, without the part of the method, which "
-                                                "this comparison is to show."};
-  table.head = {
-      {{"case", "text"}, {"quantity"}, {"OpenFOAM \u00b1 <i>u</i>"}, {"published"}, {"difference"}, {"goal"}, {"verdict", "text"}, {"source", "text"}}};
+  Table table{.id = "published-table",
+              .caption =
+                  "OpenFOAM against published values, on the reference areas of docs/conventions.md. Here <i>u</i> is numerical, without "
+                  "the part of the method, which "
+                  "this comparison is to show."};
+  table.head = {{{"case", "text"},
+                 {"quantity"},
+                 {"OpenFOAM \u00b1 <i>u</i>"},
+                 {"published"},
+                 {"difference"},
+                 {"goal"},
+                 {"verdict", "text"},
+                 {"source", "text"}}};
   for (const PublishedCheck& check : report.models.front().table.published) {
     const int decimals = check.is_angle() ? 1 : 3;
     const std::string quantity = check.is_angle() ? "force angle [\u00b0]" : html::symbol(check.quantity);
     std::string source = escape(fmt::format("{} ({}; {})", check.published.citation, check.published.kind, check.published.confidence));
     if (!check.published.conversion.empty()) source += ", " + escape(check.published.conversion);
-    table.rows.push_back(
-        {{escape(check.case_name), "text tight"},
-         {quantity},
-         {with_uncertainty(check.cfd, check.u, check.discretisation_assessed, decimals)},
-         {number(check.published.value, decimals) + " \u00b1 " + number(check.published.uncertainty, decimals)},
-         {number(check.difference_in_unit(), 1, true) + check.unit()},
-         {check.goal ? "\u00b1" + number(*check.goal, 0) + check.unit() : "\u2013"},
-         {check.verdict(), !check.agrees() || !check.within_goal() ? "text bad" : "text tight good"},
-         {source, "text small"}});
+    table.rows.push_back({{escape(check.case_name), "text tight"},
+                          {quantity},
+                          {with_uncertainty(check.cfd, check.u, check.discretisation_assessed, decimals)},
+                          {number(check.published.value, decimals) + " \u00b1 " + number(check.published.uncertainty, decimals)},
+                          {number(check.difference_in_unit(), 1, true) + check.unit()},
+                          {check.goal ? "\u00b1" + number(*check.goal, 0) + check.unit() : "\u2013"},
+                          {check.verdict(), !check.agrees() || !check.within_goal() ? "text bad" : "text tight good"},
+                          {source, "text small"}});
   }
   const std::string text = table.rows.empty() ? "<p>No case of these references has a published value.</p>\n" : table.text();
   return section("published", "OpenFOAM against published values", text);
@@ -409,8 +417,11 @@ std::string spin_section(const Report& report) {
   if (report.spinning.empty()) return "";
   const auto laws = laws_of(report);
   Table table{.id = "spin-table",
-              .caption = "Torque coefficient about the axis of spin, <i>M</i>\u00b7<i>\u03c9</i>/|<i>\u03c9</i>| / (<i>q A L</i>), in still air with <i>q</i> = "
-                         "\u03c1(<i>\u03c9L</i>)\u00b2/2: OpenFOAM, the shares of pressure and friction in it, and the laws. Only some laws have friction."};
+              .caption =
+                  "Torque coefficient about the axis of spin, <i>M</i>\u00b7<i>\u03c9</i>/|<i>\u03c9</i>| / (<i>q A L</i>), in still air "
+                  "with <i>q</i> = "
+                  "\u03c1(<i>\u03c9L</i>)\u00b2/2: OpenFOAM, the shares of pressure and friction in it, and the laws. Only some laws have "
+                  "friction."};
   table.head = {{{"case", "text"}, {"axis", "text"}, {"OpenFOAM \u00b1 <i>u</i>", "tight"}, {"pressure"}, {"friction"}, {"published"}},
                 std::vector<Cell>(6, Cell{""})};
   std::vector<std::vector<SpinRow>> by_law;
@@ -598,10 +609,11 @@ std::string cost_section(const Report& report, const std::map<std::string, nlohm
   }
   if (!groups.empty()) text += openfoam.text();
 
-  Table checks{.id = "cost-check-table",
-               .caption =
-                   "What <code>dragval plan</code> predicts before a campaign, against what the references took: sums over the cases that ran "
-                   "to their end, rms of ln(actual / predicted), and the case that is furthest off. CPU times in seconds."};
+  Table checks{
+      .id = "cost-check-table",
+      .caption =
+          "What <code>dragval plan</code> predicts before a campaign, against what the references took: sums over the cases that ran "
+          "to their end, rms of ln(actual / predicted), and the case that is furthest off. CPU times in seconds."};
   checks.head = {{{"", "text"}, {"cases"}, {"predicted"}, {"actual"}, {"ratio"}, {"rms"}, {"worst ratio"}, {"case", "text"}}};
   for (const CostCheck& check : report.cost_checks)
     checks.rows.push_back({{escape(check.quantity), "text"},
@@ -668,7 +680,8 @@ std::string provenance_section(const Report& report) {
 
 std::string report_sections(const Report& report, const std::vector<Sweep>& list, const std::map<std::string, nlohmann::json>& specs) {
   return verdict_section(report, list) + note_section(report) + figures_section(report, list, specs) + errors_section(report, list) +
-         published_section(report) + spin_section(report) + calibration_section(report) + cost_section(report, specs) + provenance_section(report);
+         published_section(report) + spin_section(report) + calibration_section(report) + cost_section(report, specs) +
+         provenance_section(report);
 }
 
 }  // namespace compare

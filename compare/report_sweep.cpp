@@ -19,7 +19,10 @@ constexpr double deg = std::numbers::pi / 180.0;
 }  // namespace
 
 std::string law_label(const std::string& law_name) {
-  return law_name == "note" ? "note's law" : law_name == "scaled" ? "calibrated law" : law_name == "by class" ? "law by class" : law_name + " law";
+  return law_name == "note"       ? "note's law"
+         : law_name == "scaled"   ? "calibrated law"
+         : law_name == "by class" ? "law by class"
+                                  : law_name + " law";
 }
 
 std::string reynolds_text(double reynolds) {

@@ -34,7 +34,7 @@ SpinRow row_of(const CaseFamily& family, const Predictor& model) {
   row.axis = axis_text(record.pose.rotation().transpose() * record.angular_velocity);
   row.air = record.still_air ? "still"
                              : fmt::format("wind, omega L/U {:g}", record.angular_velocity.norm() *
-                                                                        dragcore::properties(record.shape).reference_length / record.speed);
+                                                                       dragcore::properties(record.shape).reference_length / record.speed);
   row.reynolds = record.reynolds;
   row.flow_model = record.flow_model;
   row.status = case_record::to_string(record.status);
@@ -43,7 +43,9 @@ SpinRow row_of(const CaseFamily& family, const Predictor& model) {
   if (!case_record::is_usable(record.status)) return row;
   const double torque = record.load.moment().dot(axis);
   row.cfd = torque / scale;
-  row.u = propagated(record, family.uncertainty.total, [&](const Vector3d&, const Vector3d& moment) { return std::optional(moment.dot(axis)); }) / scale;
+  row.u = propagated(record, family.uncertainty.total,
+                     [&](const Vector3d&, const Vector3d& moment) { return std::optional(moment.dot(axis)); }) /
+          scale;
   row.discretisation_assessed = family.uncertainty.discretisation_assessed;
   if (torque != 0.0) {
     row.pressure_share = record.load.moment_pressure.dot(axis) / torque;
@@ -71,12 +73,15 @@ TextGrid grid_of(const std::vector<SpinRow>& rows) {
   TextGrid grid;
   grid.add({"case", "axis", "CFD", "u", "pressure", "friction", "model", "error", "relative", "verdict", "published"});
   for (const SpinRow& row : rows) {
-    const auto style = !row.cfd ? fg(fmt::terminal_color::red) : row.verdict == Verdict::resolved ? fg(fmt::terminal_color::yellow) : fmt::text_style{};
-    grid.add({row.case_name, row.axis, number_text(row.cfd, "{:.5f}"),
-              row.cfd ? number_text(row.u, "{:.2g}") + (row.discretisation_assessed ? "" : "*") : "", percent(row.pressure_share, "{:.0f} %"),
-              percent(row.friction_share, "{:.0f} %"), number_text(row.model, "{:.5f}"), number_text(row.error, "{:+.5f}"),
-              percent(row.relative_error, "{:+.0f} %"), verdict_text(row), row.published ? number_text(row.published->value, "{:.5f}") : ""},
-             style);
+    const auto style = !row.cfd                           ? fg(fmt::terminal_color::red)
+                       : row.verdict == Verdict::resolved ? fg(fmt::terminal_color::yellow)
+                                                          : fmt::text_style{};
+    grid.add(
+        {row.case_name, row.axis, number_text(row.cfd, "{:.5f}"),
+         row.cfd ? number_text(row.u, "{:.2g}") + (row.discretisation_assessed ? "" : "*") : "", percent(row.pressure_share, "{:.0f} %"),
+         percent(row.friction_share, "{:.0f} %"), number_text(row.model, "{:.5f}"), number_text(row.error, "{:+.5f}"),
+         percent(row.relative_error, "{:+.0f} %"), verdict_text(row), row.published ? number_text(row.published->value, "{:.5f}") : ""},
+        style);
   }
   return grid;
 }
@@ -94,22 +99,26 @@ std::vector<SpinRow> spin_table(const std::vector<CaseRecord>& records, const Pr
 std::string render(const std::vector<SpinRow>& rows, const std::string& model_name, Format format, bool colour) {
   if (format == Format::json) return to_json(rows).dump(2) + "\n";
   if (format == Format::csv) {
-    std::string text = "case,shape,axis,air,reynolds,flow_model,status,C_spin,u,discretisation_assessed,pressure_share,friction_share,model,error,"
-                       "relative_error,verdict,published,citation\n";
+    std::string text =
+        "case,shape,axis,air,reynolds,flow_model,status,C_spin,u,discretisation_assessed,pressure_share,friction_share,model,error,"
+        "relative_error,verdict,published,citation\n";
     for (const SpinRow& row : rows) {
       const auto full = [](const std::optional<double>& value) { return number_text(value, "{:.9g}"); };
-      text += csv_line({row.case_name, row.shape, row.axis, row.air, full(row.reynolds), row.flow_model, row.status, full(row.cfd),
-                        row.cfd ? full(row.u) : "", row.discretisation_assessed ? "1" : "0", full(row.pressure_share), full(row.friction_share),
-                        full(row.model), full(row.error), full(row.relative_error), row.verdict ? verdict_text(row) : "",
-                        row.published ? full(row.published->value) : "", row.published ? row.published->citation : ""});
+      text +=
+          csv_line({row.case_name, row.shape, row.axis, row.air, full(row.reynolds), row.flow_model, row.status, full(row.cfd),
+                    row.cfd ? full(row.u) : "", row.discretisation_assessed ? "1" : "0", full(row.pressure_share), full(row.friction_share),
+                    full(row.model), full(row.error), full(row.relative_error), row.verdict ? verdict_text(row) : "",
+                    row.published ? full(row.published->value) : "", row.published ? row.published->citation : ""});
     }
     return text;
   }
   const bool terminal = format == Format::table;
   const std::string title = fmt::format("Bodies that spin: torque coefficient about the axis of spin (model: {})", model_name);
   std::string text = terminal ? title + "\n" + aligned(grid_of(rows), colour) : "### " + title + "\n\n" + markdown(grid_of(rows)) + "\n";
-  text += "C_spin = M . omega/|omega| / (q A_ref L_ref), in still air q = rho (omega L_ref)^2 / 2; pressure and friction: their shares of the CFD's torque. "
-          "The model has friction with some laws only. u is numerical: what turbulence models leave open under spin is not known.\n";
+  text +=
+      "C_spin = M . omega/|omega| / (q A_ref L_ref), in still air q = rho (omega L_ref)^2 / 2; pressure and friction: their shares of the "
+      "CFD's torque. "
+      "The model has friction with some laws only. u is numerical: what turbulence models leave open under spin is not known.\n";
   for (const SpinRow& row : rows)
     if (row.cfd) text += fmt::format("{}{}: u of the mesh {}\n", terminal ? "" : "* ", row.case_name, row.note);
   return text;

@@ -9,8 +9,8 @@
 
 namespace compare {
 
-/// A body that spins: its torque about the axis of spin, C_spin = M . omega / |omega| / (q A_ref L_ref), model against reference. In still air
-/// q = rho (omega L_ref)^2 / 2. Negative: the air brakes.
+/// A body that spins: its torque about the axis of spin, C_spin = M . omega / |omega| / (q A_ref L_ref), model against reference. In still
+/// air q = rho (omega L_ref)^2 / 2. Negative: the air brakes.
 struct SpinRow {
   std::string case_name;
   std::string shape;  ///< as shape_label()

@@ -91,11 +91,13 @@ const std::vector<NumberColumn>& number_columns() {
       numbers(
           "density", {"kg m-3", "density of the air", "", ""}, [](auto& r) -> auto& { return r.density; }),
       numbers(
-          "speed", {"m s-1", "speed of the coefficients: of the undisturbed air, in still air |omega| L_ref", "", ""}, [](auto& r) -> auto& { return r.speed; }),
+          "speed", {"m s-1", "speed of the coefficients: of the undisturbed air, in still air |omega| L_ref", "", ""},
+          [](auto& r) -> auto& { return r.speed; }),
       since(1, numbers(
-          "still_air", {"1", "1: there is no wind", "", ""}, [](auto& r) -> auto& { return r.still_air; })),
+                   "still_air", {"1", "1: there is no wind", "", ""}, [](auto& r) -> auto& { return r.still_air; })),
       since(1, numbers(
-          "angular_velocity", {"rad s-1", "of the body, about its centroid", "wind", ""}, [](auto& r) -> auto& { return r.angular_velocity; })),
+                   "angular_velocity", {"rad s-1", "of the body, about its centroid", "wind", ""},
+                   [](auto& r) -> auto& { return r.angular_velocity; })),
       numbers(
           "viscosity", {"m2 s-1", "kinematic viscosity", "", ""}, [](auto& r) -> auto& { return r.viscosity; }),
       numbers(

@@ -11,9 +11,9 @@ using case_record::CaseRecord;
 
 /// What the air does on average to one patch of a body's surface at the last iteration. Body frame.
 ///
-/// Patches are the planar faces of the shape: "x-", "x+", "y-", ... of plates, boxes, prisms (the slanted ones are "z-" and "z+") and the ends
-/// of cylinders, "base" of a cone. Curved parts are binned into "curved_b<band>_s<sector>": four bands of equal length along x, from the
-/// nose, times eight sectors of 45 deg about the x axis, counted from +y towards +z.
+/// Patches are the planar faces of the shape: "x-", "x+", "y-", ... of plates, boxes, prisms (the slanted ones are "z-" and "z+") and the
+/// ends of cylinders, "base" of a cone. Curved parts are binned into "curved_b<band>_s<sector>": four bands of equal length along x, from
+/// the nose, times eight sectors of 45 deg about the x axis, counted from +y towards +z.
 struct PatchMean {
   std::string name;
   double area = 0.0;                                               ///< [m^2]

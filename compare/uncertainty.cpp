@@ -102,7 +102,8 @@ CaseRecord::Channels load_of(const CaseRecord& record) {
 
 GridStudy grid_study(const std::vector<double>& cells, const std::vector<double>& values) {
   const std::size_t n = cells.size();
-  if (n < 3 && n == values.size()) throw std::invalid_argument(fmt::format("{} meshes; the discretisation uncertainty needs at least 3", n));
+  if (n < 3 && n == values.size())
+    throw std::invalid_argument(fmt::format("{} meshes; the discretisation uncertainty needs at least 3", n));
   const auto levels = finest_first(cells, values);
 
   const auto count = static_cast<Eigen::Index>(n);
@@ -127,8 +128,8 @@ GridStudy grid_study(const std::vector<double>& cells, const std::vector<double>
   const bool in_range = free && order >= 0.5 && order <= 2.0;
   const bool blind = n == 3;
   if (blind && !in_range && !(free && order > 2.0)) {
-    // Three meshes cannot tell scatter from a trend of unknown order: three times their range, a 95 % figure. A fall steeper than the scheme's order is
-    // taken for one of that order below, which leaves more to go.
+    // Three meshes cannot tell scatter from a trend of unknown order: three times their range, a 95 % figure. A fall steeper than the
+    // scheme's order is taken for one of that order below, which leaves more to go.
     study.uncertainty = 3.0 * range / 2.0;
     study.extrapolated = finest;
     study.branch = free ? fmt::format("data range: order {:.2f} of three meshes is outside [0.5, 2]", order)
@@ -154,12 +155,13 @@ GridStudy grid_study(const std::vector<double>& cells, const std::vector<double>
   }
 
   const double spread = 1.0 / (static_cast<double>(n) - 1.0);  // range / (n - 1), what the standard deviation is held against
-  const double lowest_trusted = blind ? 1.0 : 0.5;  // three meshes show no scatter: a slow fall of theirs may be one
+  const double lowest_trusted = blind ? 1.0 : 0.5;             // three meshes show no scatter: a slow fall of theirs may be one
   const bool trusted = free && order >= lowest_trusted && order <= 2.1 && fit.deviation < spread;
   const double safety = trusted ? 1.25 : 3.0;
   // Where scatter hides the trend an extrapolation may go anywhere: it counts up to what three meshes without a trend get.
-  const double wide = fit.deviation < spread ? safety * fit.error + fit.deviation + std::abs(fit.residual)
-                                             : std::min(3.0, 3.0 * fit.deviation / spread * (fit.error + fit.deviation + std::abs(fit.residual)));
+  const double wide = fit.deviation < spread
+                          ? safety * fit.error + fit.deviation + std::abs(fit.residual)
+                          : std::min(3.0, 3.0 * fit.deviation / spread * (fit.error + fit.deviation + std::abs(fit.residual)));
   study.safety = safety;
   study.uncertainty = range * wide / 2.0;  // the procedure's figure covers 95 %
   study.extrapolated = finest + range * fit.at_zero;
@@ -228,9 +230,9 @@ namespace {
 
 using Channels = CaseRecord::Channels;
 
-/// What a carried uncertainty is relative to, as coefficients: the channel, but no less than a share of the force (of the moment, of a body that
-/// spins in still air), so that a channel near zero is neither exact nor infinitely uncertain. Wakes lean to a side by up to a third of what they
-/// do along the wind, and the arm of the force is about a tenth of the body.
+/// What a carried uncertainty is relative to, as coefficients: the channel, but no less than a share of the force (of the moment, of a body
+/// that spins in still air), so that a channel near zero is neither exact nor infinitely uncertain. Wakes lean to a side by up to a third
+/// of what they do along the wind, and the arm of the force is about a tenth of the body.
 Channels carrying_scale(const CaseRecord& record) {
   constexpr double share_of_force = 0.3, share_of_moment = 0.1;
   Channels c = coefficients(record).values;
@@ -268,8 +270,10 @@ struct Carried {
 std::optional<Carried> carried_from(const CaseFamily& family, const std::string& level) {
   for (const CaseRecord* at : family.usable_levels()) {
     if (at->mesh_level != level) continue;
-    const Channels relative = discretisation_at(family, *at)->cwiseQuotient(coefficient_scales(*at)).cwiseQuotient(carrying_scale(*family.record));
-    // A force off by some per cent has a moment off by no less; where symmetry makes the moment zero it would not show. In still air the force is nothing.
+    const Channels relative =
+        discretisation_at(family, *at)->cwiseQuotient(coefficient_scales(*at)).cwiseQuotient(carrying_scale(*family.record));
+    // A force off by some per cent has a moment off by no less; where symmetry makes the moment zero it would not show. In still air the
+    // force is nothing.
     const double force = relative.head<3>().maxCoeff(), moment = relative.tail<3>().maxCoeff();
     return Carried{&family, force, at->still_air ? moment : std::max(force, moment)};
   }

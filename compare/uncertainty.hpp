@@ -19,17 +19,17 @@ struct GridStudy {
 };
 
 /// Least-squares procedure of Eca and Hoekstra (2014): fit phi = phi_0 + alpha h^p, weighted and not, with fall-backs on fixed orders when
-/// p is outside [0.5, 2], and a safety factor 1.25 or 3. Differs: three meshes leave no freedom to see scatter, so they get the factor 1.25 with
-/// an order of 1 to 2.1 only (Roache 1998, sec. 5.9), and three times the range of the data where p is below 0.5 or there is none; which also is
-/// the most that four or more get where scatter hides the trend. `dragval truth --held-back` shows how often that holds.
+/// p is outside [0.5, 2], and a safety factor 1.25 or 3. Differs: three meshes leave no freedom to see scatter, so they get the factor 1.25
+/// with an order of 1 to 2.1 only (Roache 1998, sec. 5.9), and three times the range of the data where p is below 0.5 or there is none;
+/// which also is the most that four or more get where scatter hides the trend. `dragval truth --held-back` shows how often that holds.
 /// @param cells   number of cells of each mesh; the cell size is cells^(-1/3)
 /// @param values  same order
 /// @throws std::invalid_argument  fewer than three meshes, sizes that do not match, or two meshes less than 5 % apart in cell size
 ///                                (the same mesh twice would fake convergence)
 GridStudy grid_study(const std::vector<double>& cells, const std::vector<double>& values);
 
-/// Generalised Richardson extrapolation from two meshes, which show no order: that of the scheme, 2, is assumed, and the safety factor 3 gives
-/// the 95 % figure (Roache 1998, sec. 5.9), so that u = 3/2 |phi_1 - phi_2| / (r^2 - 1) with r the ratio of cell sizes.
+/// Generalised Richardson extrapolation from two meshes, which show no order: that of the scheme, 2, is assumed, and the safety factor 3
+/// gives the 95 % figure (Roache 1998, sec. 5.9), so that u = 3/2 |phi_1 - phi_2| / (r^2 - 1) with r the ratio of cell sizes.
 /// @throws std::invalid_argument  as grid_study(), for anything but two meshes
 GridStudy two_grid_study(const std::vector<double>& cells, const std::vector<double>& values);
 
@@ -44,7 +44,8 @@ struct LoadUncertainty {
   std::vector<std::string> branches;  ///< one per channel when assessed, or one that says why not
 };
 
-/// Standard uncertainty of a quantity that follows from force [N] and moment [N m]: linear propagation, the six channels taken as independent.
+/// Standard uncertainty of a quantity that follows from force [N] and moment [N m]: linear propagation, the six channels taken as
+/// independent.
 /// @param quantity  may be undefined near the load of the case: a channel in which it is counts as none
 double propagated(const case_record::CaseRecord& record, const LoadUncertainty::Channels& u,
                   const std::function<std::optional<double>(const Eigen::Vector3d& force, const Eigen::Vector3d& moment)>& quantity);
@@ -68,15 +69,16 @@ CaseName split_name(const std::string& case_name, const std::string& mesh_level)
 /// The name of a case without its mesh level: "cube_re-1e5_medium" and "cube_re-1e5_fine" are one family. A variant stays in the name.
 std::string family_name(const std::string& case_name, const std::string& mesh_level);
 
-/// u_disc [N, N m] of any level of a family: its distance from the finest, and the u of that. Empty where u_disc of the family is not assessed.
+/// u_disc [N, N m] of any level of a family: its distance from the finest, and the u of that. Empty where u_disc of the family is not
+/// assessed.
 std::optional<LoadUncertainty::Channels> discretisation_at(const CaseFamily& family, const case_record::CaseRecord& level);
 
 /// Groups records that differ in nothing but the mesh level, in order of name. Pointers into `records`.
 ///
 /// The discretisation uncertainty comes from grid_study() where three or more levels are usable. Elsewhere it is carried from the
-/// representative family (three levels, same body or else kind of shape, flow model and spin, no variant) whose wind, or axis of spin, is nearest in the
-/// body's frame: the distance of its mesh of the same level from its finest and the u of the finest, relative to
-/// max(|C| of the channel, 0.3 of the force, or 0.1 for a moment); and two usable levels give two_grid_study(), never less than what is carried.
+/// representative family (three levels, same body or else kind of shape, flow model and spin, no variant) whose wind, or axis of spin, is
+/// nearest in the body's frame: the distance of its mesh of the same level from its finest and the u of the finest, relative to max(|C| of
+/// the channel, 0.3 of the force, or 0.1 for a moment); and two usable levels give two_grid_study(), never less than what is carried.
 /// docs/conventions.md, "Uncertainty".
 std::vector<CaseFamily> case_families(const std::vector<case_record::CaseRecord>& records);
 

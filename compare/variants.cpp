@@ -65,7 +65,8 @@ std::array<Change, 3> changes(const Base& base, const Triple& difference) {
 std::string percent(const Change& change, const char* format = "{:+.2f} %") { return number_text(change.percent, format); }
 
 json to_json(const Change& change) {
-  return {{"percent", change.percent ? json(*change.percent) : json(nullptr)}, {"in_u_disc", change.in_u ? json(*change.in_u) : json(nullptr)}};
+  return {{"percent", change.percent ? json(*change.percent) : json(nullptr)},
+          {"in_u_disc", change.in_u ? json(*change.in_u) : json(nullptr)}};
 }
 
 }  // namespace
@@ -83,9 +84,12 @@ VariantTable variant_table(const std::vector<CaseRecord>& records) {
       if (!is_usable(level->status)) continue;
       if (const auto u = discretisation_at(family, *level)) {
         base.u = triple_of(*level, *u);
-        if (level->still_air) (*base.u)[2] = propagated(*level, *u, [&](const Vector3d&, const Vector3d& moment) {
-                                               return std::optional(moment.dot(level->angular_velocity.normalized()));
-                                             }) / coefficient_scales(*level)[3];
+        if (level->still_air)
+          (*base.u)[2] = propagated(*level, *u,
+                                    [&](const Vector3d&, const Vector3d& moment) {
+                                      return std::optional(moment.dot(level->angular_velocity.normalized()));
+                                    }) /
+                         coefficient_scales(*level)[3];
       }
     }
   VariantTable table;
@@ -100,7 +104,8 @@ VariantTable variant_table(const std::vector<CaseRecord>& records) {
       continue;
     }
     const Base& base = found->second;
-    VariantRow row{.base = base.record->name, .variant = name.variant, .status = case_record::to_string(record.status), .reason = record.reason};
+    VariantRow row{
+        .base = base.record->name, .variant = name.variant, .status = case_record::to_string(record.status), .reason = record.reason};
     row.iterations = record.iterations;
     if (const double before = cpu_of(*base.record), after = cpu_of(record); before > 0.0 && after > 0.0) row.cpu_ratio = after / before;
     if (!is_usable(base.record->status)) {
@@ -138,16 +143,26 @@ VariantTable variant_table(const std::vector<CaseRecord>& records) {
 std::string render(const VariantTable& table, Format format, bool colour) {
   if (format == Format::json) return to_json(table).dump(2) + "\n";
   if (format == Format::csv) {
-    std::string text = "base,variant,dC_D_percent,dC_lateral_percent,dC_moment_percent,dC_D_in_u,dC_lateral_in_u,dC_moment_in_u,cpu_ratio,iterations,status,reason\n";
+    std::string text =
+        "base,variant,dC_D_percent,dC_lateral_percent,dC_moment_percent,dC_D_in_u,dC_lateral_in_u,dC_moment_in_u,cpu_ratio,iterations,"
+        "status,reason\n";
     const auto full = [](const std::optional<double>& value) { return number_text(value, "{:.9g}"); };
-    const auto add = [&](const std::string& base, const std::string& variant, const Change& drag, const Change& lateral, const Change& moment,
-                         const std::vector<std::string>& rest) {
-      std::vector<std::string> cells = {base, variant, full(drag.percent), full(lateral.percent), full(moment.percent), full(drag.in_u), full(lateral.in_u), full(moment.in_u)};
+    const auto add = [&](const std::string& base, const std::string& variant, const Change& drag, const Change& lateral,
+                         const Change& moment, const std::vector<std::string>& rest) {
+      std::vector<std::string> cells = {base,
+                                        variant,
+                                        full(drag.percent),
+                                        full(lateral.percent),
+                                        full(moment.percent),
+                                        full(drag.in_u),
+                                        full(lateral.in_u),
+                                        full(moment.in_u)};
       cells.insert(cells.end(), rest.begin(), rest.end());
       text += csv_line(cells);
     };
     for (const VariantRow& row : table.rows)
-      add(row.base, row.variant, row.drag, row.lateral, row.moment, {full(row.cpu_ratio), std::to_string(row.iterations), row.status, row.reason});
+      add(row.base, row.variant, row.drag, row.lateral, row.moment,
+          {full(row.cpu_ratio), std::to_string(row.iterations), row.status, row.reason});
     for (const SeedScatter& seed : table.seeds)
       add(seed.base, fmt::format("scatter of {} seeds", seed.n), seed.drag, seed.lateral, seed.moment, {"", "", "", ""});
     return text;
@@ -166,9 +181,11 @@ std::string render(const VariantTable& table, Format format, bool colour) {
              row.reason.empty() ? fmt::text_style{} : fg(fmt::terminal_color::red));
   seeds.add({"case", "meshes", "C_D", "C_L, C_S", "moment", "C_D / u", "C_L / u", "moment / u"});
   for (const SeedScatter& seed : table.seeds)
-    seeds.add({seed.base, std::to_string(seed.n), percent(seed.drag, "{:.2f} %"), percent(seed.lateral, "{:.2f} %"), percent(seed.moment, "{:.2f} %"),
-               number_text(seed.drag.in_u, "{:.1f}"), number_text(seed.lateral.in_u, "{:.1f}"), number_text(seed.moment.in_u, "{:.1f}")});
-  std::string text = block("Variants against their base on the same mesh level", rows) + block("Scatter over seeds of the mesh, the base among them: standard deviation", seeds);
+    seeds.add({seed.base, std::to_string(seed.n), percent(seed.drag, "{:.2f} %"), percent(seed.lateral, "{:.2f} %"),
+               percent(seed.moment, "{:.2f} %"), number_text(seed.drag.in_u, "{:.1f}"), number_text(seed.lateral.in_u, "{:.1f}"),
+               number_text(seed.moment.in_u, "{:.1f}")});
+  std::string text = block("Variants against their base on the same mesh level", rows) +
+                     block("Scatter over seeds of the mesh, the base among them: standard deviation", seeds);
   text += "Differences in % of the base's force (of its moment, for the moment), and over its u_disc; CPU: time over the base's.\n";
   for (const std::string& name : table.without_base) text += (terminal ? "" : "* ") + ("no base case: " + name) + "\n";
   return text;
@@ -187,7 +204,11 @@ json to_json(const VariantTable& table) {
                               {"cpu_ratio", row.cpu_ratio ? json(*row.cpu_ratio) : json(nullptr)},
                               {"iterations", row.iterations}});
   for (const SeedScatter& seed : table.seeds)
-    result["seeds"].push_back({{"base", seed.base}, {"n", seed.n}, {"drag", to_json(seed.drag)}, {"lateral", to_json(seed.lateral)}, {"moment", to_json(seed.moment)}});
+    result["seeds"].push_back({{"base", seed.base},
+                               {"n", seed.n},
+                               {"drag", to_json(seed.drag)},
+                               {"lateral", to_json(seed.lateral)},
+                               {"moment", to_json(seed.moment)}});
   return result;
 }
 

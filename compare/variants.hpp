@@ -19,7 +19,8 @@ struct Change {
 struct VariantRow {
   std::string base, variant;  ///< names of the base case and of the variant: "cube_re-1e5_medium", "upwind"
   std::string status, reason;
-  Change drag, lateral, moment;  ///< C_D; C_L or, at yaw, C_S; C_m or C_n. Of a body that spins in still air only the moment, about the axis
+  Change drag, lateral,
+      moment;  ///< C_D; C_L or, at yaw, C_S; C_m or C_n. Of a body that spins in still air only the moment, about the axis
   std::optional<double> cpu_ratio;  ///< CPU time over the base's
   int iterations = 0;
 };

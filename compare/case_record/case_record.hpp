@@ -20,7 +20,7 @@ enum class Status {
   drifting,              ///< the limit of iterations came first
   diverged,              ///< floating point failure, or coefficients outside what is physically plausible
   timed_out,
-  failed,                ///< a tool failed, or its output was not acceptable (mesh check, force balance)
+  failed,  ///< a tool failed, or its output was not acceptable (mesh check, force balance)
 };
 std::string to_string(Status status);
 Status status_from(const std::string& word);  ///< @throws std::invalid_argument on an unknown word
@@ -39,8 +39,8 @@ struct Load {
 
 /// Faces of the body's surface with what the air does to them; wind frame, at the last iteration. A half model lists its half.
 struct SurfaceSample {
-  Eigen::Matrix3Xd centre;           ///< [m]
-  Eigen::Matrix3Xd area_vector;      ///< normal out of the body times area [m^2]
+  Eigen::Matrix3Xd centre;       ///< [m]
+  Eigen::Matrix3Xd area_vector;  ///< normal out of the body times area [m^2]
   Eigen::VectorXd pressure_coefficient;
   Eigen::Matrix3Xd friction_coefficient;  ///< wall shear stress of the air on the body / q
 };
@@ -54,7 +54,7 @@ struct Attempt {
 
 /// Cost of one stage: "mesh" (gmsh), "convert" (gmshToFoam, polyDualMesh, renumberMesh, checkMesh), "solve", "post".
 struct StageCost {
-  double cpu_s = 0.0;   ///< user + system time of the processes
+  double cpu_s = 0.0;  ///< user + system time of the processes
   double wall_s = 0.0;
 };
 
@@ -76,31 +76,32 @@ struct CaseRecord {
   double speed = 1.0;      ///< of the coefficients [m/s]: that of the undisturbed air, or |omega| L_ref of a body that spins in still air
   bool still_air = false;  ///< no wind at all
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< of the body, about its centroid; wind frame [rad/s]
-  double viscosity = 0.0;  ///< kinematic [m^2/s]
+  double viscosity = 0.0;                                      ///< kinematic [m^2/s]
 
   // What came out.
   Status status = Status::failed;
   std::string reason;  ///< empty when usable
   std::vector<Attempt> attempts;
-  Load load;        ///< mean over the averaging window
-  Load load_last;   ///< at the last iteration, the one `surface` belongs to
+  Load load;       ///< mean over the averaging window
+  Load load_last;  ///< at the last iteration, the one `surface` belongs to
   SurfaceSample surface;
   bool half_model = false;
-  int iterations = 0;        ///< of the solver, over all attempts
-  int averaged_over = 0;     ///< iterations in the window of `load`
+  int iterations = 0;     ///< of the solver, over all attempts
+  int averaged_over = 0;  ///< iterations in the window of `load`
 
-  // How sure: standard uncertainties of (F_x, F_y, F_z) [N] and (M_x, M_y, M_z) [N m]. Discretisation is assessed by compare, over mesh levels.
+  // How sure: standard uncertainties of (F_x, F_y, F_z) [N] and (M_x, M_y, M_z) [N m]. Discretisation is assessed by compare, over mesh
+  // levels.
   using Channels = Eigen::Matrix<double, 6, 1>;
-  Channels u_iteration = Channels::Zero();   ///< remaining drift
-  Channels u_statistical = Channels::Zero(); ///< standard error of the mean of an oscillating flow
-  Channels u_null = Channels::Zero();        ///< size of the channels that symmetry says are zero
+  Channels u_iteration = Channels::Zero();    ///< remaining drift
+  Channels u_statistical = Channels::Zero();  ///< standard error of the mean of an oscillating flow
+  Channels u_null = Channels::Zero();         ///< size of the channels that symmetry says are zero
 
   // What it cost and with what.
   int cells = 0;
   std::map<std::string, double> mesh_quality;  ///< of checkMesh: "max_non_orthogonality_deg", "max_skewness", "max_aspect_ratio"
-  double surface_area = 0.0;    ///< of the wall as meshed, whole body [m^2]
-  double surface_volume = 0.0;  ///< enclosed by the wall as meshed, whole body [m^3]
-  std::string surface_checksum; ///< dragcore::surface_checksum of the triangles dragcore makes of the shape, hexadecimal
+  double surface_area = 0.0;                   ///< of the wall as meshed, whole body [m^2]
+  double surface_volume = 0.0;                 ///< enclosed by the wall as meshed, whole body [m^3]
+  std::string surface_checksum;                ///< dragcore::surface_checksum of the triangles dragcore makes of the shape, hexadecimal
   std::map<std::string, StageCost> cost;
   std::map<std::string, std::string> tools;  ///< "openfoam": "1912", "gmsh": "4.8.4"
   std::string finished;                      ///< UTC, ISO 8601

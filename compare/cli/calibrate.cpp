@@ -1,7 +1,5 @@
 #include <fmt/format.h>  // before any header of compare: fmt has a function of that name
 
-#include "compare/calibration.hpp"
-
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <dragcore/law_file.hpp>
@@ -9,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "compare/calibration.hpp"
 #include "compare/cli/commands.hpp"
 
 namespace cli {
@@ -18,20 +17,25 @@ namespace {
 nlohmann::json to_json(const compare::Calibration& calibration) {
   nlohmann::json list = nlohmann::json::array();
   for (const compare::Fit& fit : calibration.fits) {
-    nlohmann::json entry{{"fit", fit.name}, {"target", fit.target}, {"cases", fit.cases}, {"condition_number", fit.condition_number}, {"correlation", fit.correlation}};
+    nlohmann::json entry{{"fit", fit.name},
+                         {"target", fit.target},
+                         {"cases", fit.cases},
+                         {"condition_number", fit.condition_number},
+                         {"correlation", fit.correlation}};
     for (const compare::Estimate& e : fit.estimates) {
       nlohmann::json estimate{{"name", e.name}, {"value", e.value}, {"at_bound", e.at_bound}, {"interval_95", nullptr}};
       if (e.interval) estimate["interval_95"] = {e.interval->first, e.interval->second};
       entry["estimates"].push_back(estimate);
     }
     for (const compare::FitErrors& e : fit.errors)
-      entry["rms_errors"].push_back({{"group", e.group},
-                                     {"n", e.n},
-                                     {"before", e.before},
-                                     {"note", e.note},
-                                     {"in_sample", e.in_sample},
-                                     {"left_out_pose", e.left_out_pose},
-                                     {"left_out_shape", std::isnan(e.left_out_shape) ? nlohmann::json() : nlohmann::json(e.left_out_shape)}});
+      entry["rms_errors"].push_back(
+          {{"group", e.group},
+           {"n", e.n},
+           {"before", e.before},
+           {"note", e.note},
+           {"in_sample", e.in_sample},
+           {"left_out_pose", e.left_out_pose},
+           {"left_out_shape", std::isnan(e.left_out_shape) ? nlohmann::json() : nlohmann::json(e.left_out_shape)}});
     list.push_back(entry);
   }
   return list;
@@ -43,9 +47,11 @@ void print(const compare::Calibration& calibration) {
   for (const compare::Fit& fit : fits) {
     fmt::print("{}, fitted to {} of {} cases\n", fit.name, fit.target, fit.cases.size());
     for (const compare::Estimate& e : fit.estimates)
-      fmt::print("  {:<14} {:7.4f}   {}\n", e.name, e.value,
-                 e.interval ? fmt::format("95 % interval {:.4f} to {:.4f}", e.interval->first, e.interval->second) : "at its bound: no interval");
-    if (fit.estimates.size() == 2) fmt::print("  correlation {:.2f}, condition number {:.1f}\n", fit.correlation[0][1], fit.condition_number);
+      fmt::print(
+          "  {:<14} {:7.4f}   {}\n", e.name, e.value,
+          e.interval ? fmt::format("95 % interval {:.4f} to {:.4f}", e.interval->first, e.interval->second) : "at its bound: no interval");
+    if (fit.estimates.size() == 2)
+      fmt::print("  correlation {:.2f}, condition number {:.1f}\n", fit.correlation[0][1], fit.condition_number);
     if (fit.estimates.size() > 2) {
       fmt::print("  condition number {:.1f}; correlations\n", fit.condition_number);
       for (std::size_t i = 1; i < fit.estimates.size(); ++i) {
@@ -56,27 +62,35 @@ void print(const compare::Calibration& calibration) {
     }
     fmt::print("  rms error of {:<11}   n   uncalibrated  note's own  fitted  left-out pose  left-out shape\n", fit.target);
     for (const compare::FitErrors& e : fit.errors)
-      fmt::print("  {:<24} {:3}   {:12.4f} {:11.4f} {:7.4f} {:14.4f} {:>15}\n", e.group, e.n, e.before, e.note, e.in_sample, e.left_out_pose,
-                 std::isnan(e.left_out_shape) ? "-" : fmt::format("{:.4f}", e.left_out_shape));
+      fmt::print("  {:<24} {:3}   {:12.4f} {:11.4f} {:7.4f} {:14.4f} {:>15}\n", e.group, e.n, e.before, e.note, e.in_sample,
+                 e.left_out_pose, std::isnan(e.left_out_shape) ? "-" : fmt::format("{:.4f}", e.left_out_shape));
     fmt::print("\n");
   }
 }
 
 void print_legend() {
-  fmt::print("Uncalibrated: pillow factor 0, or the note's law as it is. Note's own: pillow factor 1. Force arm: distance of the force's line of action\n"
-             "from the centroid, in L_ref; it is what the pillow moves, free of the error of the force. Intervals: bootstrap over cases.\n");
+  fmt::print(
+      "Uncalibrated: pillow factor 0, or the note's law as it is. Note's own: pillow factor 1. Force arm: distance of the force's line of "
+      "action\n"
+      "from the centroid, in L_ref; it is what the pillow moves, free of the error of the force. Intervals: bootstrap over cases.\n");
 }
 
 std::map<std::string, std::string> provenance(const compare::Fit& fit) {
   const compare::FitErrors& all = fit.errors.front();
   std::string intervals;
   for (const compare::Estimate& e : fit.estimates)
-    intervals += fmt::format("{}{} {}", intervals.empty() ? "" : ", ", e.name, e.interval ? fmt::format("{:.3f} to {:.3f}", e.interval->first, e.interval->second) : "at its bound");
-  return {{"fitted_to", fmt::format("force vectors of {} cases of results/reference.h5, k-omega SST at Re 1e5; held-out bodies are not among them", fit.cases.size())},
+    intervals += fmt::format("{}{} {}", intervals.empty() ? "" : ", ", e.name,
+                             e.interval ? fmt::format("{:.3f} to {:.3f}", e.interval->first, e.interval->second) : "at its bound");
+  return {{"fitted_to",
+           fmt::format("force vectors of {} cases of results/reference.h5, k-omega SST at Re 1e5; held-out bodies are not among them",
+                       fit.cases.size())},
           {"command", "dragval calibrate --class-laws --write dragcore/laws"},
           {"intervals_95", intervals},
-          {"errors", "rms relative error of the force: " + fmt::format("fitted {:.3f}, left-out pose {:.3f}, left-out shape {}; the {} law {:.3f}", all.in_sample, all.left_out_pose,
-                                                          std::isnan(all.left_out_shape) ? "not known: one shape" : fmt::format("{:.3f}", all.left_out_shape), fit.model.law.name == "sheet" ? "consistent" : "note's", all.note)},
+          {"errors",
+           "rms relative error of the force: " +
+               fmt::format("fitted {:.3f}, left-out pose {:.3f}, left-out shape {}; the {} law {:.3f}", all.in_sample, all.left_out_pose,
+                           std::isnan(all.left_out_shape) ? "not known: one shape" : fmt::format("{:.3f}", all.left_out_shape),
+                           fit.model.law.name == "sheet" ? "consistent" : "note's", all.note)},
           {"validity", fit.model.law.name == "sheet" ? "thin plates and discs; Re >= 1e4" : "closed convex bodies; Re >= 1e4"}};
 }
 
@@ -103,7 +117,10 @@ void add_calibrate(CLI::App& app, Context&) {
       std::cout << to_json(calibration).dump(2) << "\n";
     } else {
       print(calibration);
-      options->class_laws ? fmt::print("Force vector: length of the error over the larger of the force and 0.3 q A_ref; uncalibrated and the note's own: the note's law for closed bodies,\nthe consistent law for sheets.\n") : print_legend();
+      options->class_laws ? fmt::print(
+                                "Force vector: length of the error over the larger of the force and 0.3 q A_ref; uncalibrated and the "
+                                "note's own: the note's law for closed bodies,\nthe consistent law for sheets.\n")
+                          : print_legend();
     }
     if (options->write.empty()) return;
     for (const compare::Fit& fit : calibration.fits) {

@@ -2,9 +2,9 @@
 
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <map>
 
 #include "cfd_cases/matrix.hpp"
 #include "compare/cli/commands.hpp"

@@ -65,7 +65,7 @@ struct ModelOptions {
   int divisions = 0;  ///< 0: default_divisions() of the shape
 
   compare::ModelChoice model() const;  ///< @throws std::invalid_argument naming the known laws and forms
-  std::string label() const;      ///< "note", "consistent, pillow tilt 0.78": for headings and files
+  std::string label() const;           ///< "note", "consistent, pillow tilt 0.78": for headings and files
 };
 void add_model_options(CLI::App& command, ModelOptions& options);
 
@@ -77,8 +77,8 @@ struct SourceOptions {
 };
 void add_source_options(CLI::App& command, SourceOptions& options);
 
-/// References in order of name, bodies at rest apart from those that spin, and the names of the cases that the matrix asks for and no record
-/// answers.
+/// References in order of name, bodies at rest apart from those that spin, and the names of the cases that the matrix asks for and no
+/// record answers.
 struct Sources {
   compare::Reference reference;  ///< bodies at rest
   std::vector<compare::CaseRecord> spinning;

@@ -40,7 +40,9 @@ void add_compare(CLI::App& app, Context& context) {
     const Sources sources = load(options->source);
     const auto& cases = sources.reference.cases;
     const compare::ErrorTable table = compare::compare_with(cases, model, options->model.label(), sources.missing, by);
-    const std::vector<compare::NamedModel> laws = {{"note", dragcore::Model{}}, {"consistent", dragcore::Model{.law = dragcore::consistent_law()}}, {"by class", compare::ModelChoice::of_class()}};
+    const std::vector<compare::NamedModel> laws = {{"note", dragcore::Model{}},
+                                                   {"consistent", dragcore::Model{.law = dragcore::consistent_law()}},
+                                                   {"by class", compare::ModelChoice::of_class()}};
     const auto note = compare::note_table(cases, laws);
     const auto spin = compare::spin_table(sources.spinning, model);
     if (format == compare::Format::json) {

@@ -17,8 +17,8 @@ void add_doctor(CLI::App& app, Context& context) {
     bool json = false;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("doctor", "Checks what solving cases needs (OpenFOAM, gmsh, MPI, cores, disk, Slurm) and prints the fix of each fault");
+  CLI::App* command = app.add_subcommand(
+      "doctor", "Checks what solving cases needs (OpenFOAM, gmsh, MPI, cores, disk, Slurm) and prints the fix of each fault");
   command->add_option("--cache", options->cache, "folder of solved cases, for the space on its disk")->capture_default_str();
   command->add_flag("--json", options->json, "machine-readable");
   command->footer("Example:  dragval doctor");

@@ -111,8 +111,7 @@ void add_explain(CLI::App& app, Context&) {
   command->callback([options] {
     nlohmann::json list = nlohmann::json::array();
     const auto tasks = cfd_cases::slurm_tasks({options->input.cache});
-    for (const auto& planned : plan_cases(options->input, cfd_cases::find_tools()))
-      list.push_back(explain(planned, options->input, tasks));
+    for (const auto& planned : plan_cases(options->input, cfd_cases::find_tools())) list.push_back(explain(planned, options->input, tasks));
     if (options->json)
       std::cout << list.dump(2) << "\n";
     else

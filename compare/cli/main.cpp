@@ -12,8 +12,9 @@ int main(int argc, char** argv) {
   app.footer("Start here:  dragval doctor && dragval run quick && dragval compare --cache .dragval");
   app.require_subcommand(1);
   cli::Context context;
-  for (const auto add : {cli::add_doctor, cli::add_plan, cli::add_run, cli::add_explain, cli::add_collect, cli::add_compare,
-                         cli::add_truth, cli::add_variants, cli::add_calibrate, cli::add_cost, cli::add_gate, cli::add_baseline, cli::add_report, cli::add_mesh})
+  for (const auto add :
+       {cli::add_doctor, cli::add_plan, cli::add_run, cli::add_explain, cli::add_collect, cli::add_compare, cli::add_truth,
+        cli::add_variants, cli::add_calibrate, cli::add_cost, cli::add_gate, cli::add_baseline, cli::add_report, cli::add_mesh})
     add(app, context);
   try {
     app.parse(argc, argv);

@@ -25,8 +25,8 @@ void add_mesh(CLI::App& app, Context&) {
     const dragcore::TriangleMesh mesh = dragcore::read_mesh(options->file, options->unit_m);
     fmt::print("{}: {}\n", options->file, describe(dragcore::inspect(mesh)));
     const dragcore::Surface surface(mesh, options->sheet ? dragcore::Surface::Sides::two : dragcore::Surface::Sides::automatic);
-    fmt::print("{} triangles feel the air on {}, in {} planar patches\n", surface.size(), surface.two_sided() ? "both sides" : "their outer side",
-               surface.patches.size());
+    fmt::print("{} triangles feel the air on {}, in {} planar patches\n", surface.size(),
+               surface.two_sided() ? "both sides" : "their outer side", surface.patches.size());
   });
 }
 

@@ -8,8 +8,8 @@
 #include "cfd_cases/matrix.hpp"
 #include "compare/cli/commands.hpp"
 #include "compare/prediction.hpp"
-#include "dragcore/law_file.hpp"
 #include "compare/uncertainty.hpp"
+#include "dragcore/law_file.hpp"
 
 namespace cli {
 
@@ -22,21 +22,33 @@ compare::ModelChoice ModelOptions::model() const {
   choice.model.quadrature = static_cast<dragcore::Quadrature>(quadrature);
   if (law == "class") return choice;
   choice.by_class = false;
-  choice.model.law = law == "scaled" ? dragcore::scaled_law(scale, base_suction) : law.ends_with(".toml") ? dragcore::read_law(law).law : dragcore::named_law(law);
+  choice.model.law = law == "scaled"          ? dragcore::scaled_law(scale, base_suction)
+                     : law.ends_with(".toml") ? dragcore::read_law(law).law
+                                              : dragcore::named_law(law);
   return choice;
 }
 
 std::string ModelOptions::label() const {
-  const std::string name = law == "scaled" ? fmt::format("scaled {:g} suction {:g}", scale, base_suction) : law == "class" ? "by class" : law;
+  const std::string name = law == "scaled"  ? fmt::format("scaled {:g} suction {:g}", scale, base_suction)
+                           : law == "class" ? "by class"
+                                            : law;
   if (pillow == "none") return name;
   return fmt::format("{}, {} pillow {:g}{}", name, pillow, factor, falloff == "circular" ? "" : " " + falloff);
 }
 
 void add_model_options(CLI::App& command, ModelOptions& options) {
-  command.add_option("--law", options.law, "Pressure law: note, consistent, sheet, closed, scaled, class (sheet or closed, by the body), or a TOML file")->capture_default_str();
-  command.add_option("--scale", options.scale, "Of the scaled law: factor on the note's windward pressure (dragval calibrate)")->check(CLI::Range(0.0, 3.0))->capture_default_str();
-  command.add_option("--base-suction", options.base_suction, "Of the scaled law: suction coefficient of leeward faces")->check(CLI::Range(0.0, 3.0))->capture_default_str();
-  command.add_option("--pillow", options.pillow, "Form of the pillow effect: none, triangle, patch, tilt or eccentricity")->capture_default_str();
+  command
+      .add_option("--law", options.law,
+                  "Pressure law: note, consistent, sheet, closed, scaled, class (sheet or closed, by the body), or a TOML file")
+      ->capture_default_str();
+  command.add_option("--scale", options.scale, "Of the scaled law: factor on the note's windward pressure (dragval calibrate)")
+      ->check(CLI::Range(0.0, 3.0))
+      ->capture_default_str();
+  command.add_option("--base-suction", options.base_suction, "Of the scaled law: suction coefficient of leeward faces")
+      ->check(CLI::Range(0.0, 3.0))
+      ->capture_default_str();
+  command.add_option("--pillow", options.pillow, "Form of the pillow effect: none, triangle, patch, tilt or eccentricity")
+      ->capture_default_str();
   command.add_option("--falloff", options.falloff, "Of the triangle and patch forms: circular or linear")->capture_default_str();
   command.add_option("--factor", options.factor, "Factor of the pillow effect: 0 to 1, of the tilt form 0 to 1.5")->capture_default_str();
   command.add_option("--quadrature", options.quadrature, "Points per triangle: 1, 3 or 6, or 0 for adaptive")->capture_default_str();

@@ -29,7 +29,8 @@ void add_report(CLI::App& app, Context& context) {
   command->add_flag("--quick-cost", options->quick_cost, "Measure the cost of the drag model with fewer repetitions and meshes");
   command->callback([options, &context] {
     Sources sources = load(options->source);
-    compare::Report report = compare::make_report(std::move(sources.reference), std::move(sources.spinning), sources.missing, options->quick_cost);
+    compare::Report report =
+        compare::make_report(std::move(sources.reference), std::move(sources.spinning), sources.missing, options->quick_cost);
     report.source = options->source.cache.empty() ? options->source.store : options->source.cache;
     report.commit = revision();
     report.cost_checks = compare::check_cost(report.reference.cases, cost_predictor());

@@ -33,7 +33,8 @@ void add_run(CLI::App& app, Context& context) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("run", "Solves the cases of a matrix that are not in the cache yet, with gmsh and OpenFOAM");
   add_campaign_options(*command, options->input);
-  command->add_option("--key", options->input.key, "with --only NAME: the case of exactly this name and key, as each job on Slurm asks for it");
+  command->add_option("--key", options->input.key,
+                      "with --only NAME: the case of exactly this name and key, as each job on Slurm asks for it");
   command->add_option("-j,--jobs,--slots", options->campaign.jobs, "cases side by side: 1 by default, on Slurm as many as it gives")
       ->check(CLI::Range(1, 100000));
   command->add_option("--ranks", options->campaign.ranks, "MPI ranks of each case")->check(CLI::Range(1, 1024))->capture_default_str();
@@ -44,7 +45,8 @@ void add_run(CLI::App& app, Context& context) {
       ->check(CLI::IsMember({"local", "slurm"}))
       ->capture_default_str();
   command->add_option("--partition", options->partition, "of Slurm");
-  command->add_option("--sbatch-option", options->slurm.sbatch_options, "more for sbatch, such as --sbatch-option=--account=wind; repeatable")
+  command
+      ->add_option("--sbatch-option", options->slurm.sbatch_options, "more for sbatch, such as --sbatch-option=--account=wind; repeatable")
       ->allow_extra_args(false);
   command->add_flag("--detach", options->slurm.detach, "submit to Slurm, and end");
   command->footer("Example:  dragval run quick -j2\nCtrl-C, and even kill -9, loses the running cases only; the same command goes on.");
@@ -67,15 +69,14 @@ void add_run(CLI::App& app, Context& context) {
     std::signal(SIGTERM, [](int) { interrupted = true; });
     const cfd_cases::Cache cache{options->input.cache};
     options->slurm.matrix = cfd_cases::load_matrix(options->input.matrix).file;
-    const auto result = on_slurm
-                            ? cfd_cases::run_on_slurm(cases, tools, cache, run_store(), options->campaign, options->slurm, interrupted)
-                            : cfd_cases::run_campaign(cases, tools, cache, run_store(), options->campaign, interrupted);
+    const auto result = on_slurm ? cfd_cases::run_on_slurm(cases, tools, cache, run_store(), options->campaign, options->slurm, interrupted)
+                                 : cfd_cases::run_campaign(cases, tools, cache, run_store(), options->campaign, interrupted);
     fmt::print("{} solved, {} were in the cache, {} of {} not usable\n", result.solved, result.cached, result.unusable.size(),
                cases.size());
     for (const auto& record : result.unusable)
       fmt::print(stderr, "\n{}: {}, {}\n  folder: {}\n  repeat: dragval run {} --only {} --retry-failed --cache {}{}\n", record.name,
-                 case_record::to_string(record.status), record.reason, cache.work(record.key).string(),
-                 options->input.matrix, record.name, options->input.cache, on_slurm ? " --executor slurm" : "");
+                 case_record::to_string(record.status), record.reason, cache.work(record.key).string(), options->input.matrix, record.name,
+                 options->input.cache, on_slurm ? " --executor slurm" : "");
     if (!result.unusable.empty()) context.exit_code = exit_code::run_failed;
     if (result.interrupted) context.exit_code = kInterrupted;
   });

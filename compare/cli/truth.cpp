@@ -1,7 +1,4 @@
 #include <fmt/format.h>  // before any header of compare: fmt has a function of that name
-
-#include "compare/truth_table.hpp"
-
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -11,6 +8,7 @@
 
 #include "compare/cli/commands.hpp"
 #include "compare/mesh_table.hpp"
+#include "compare/truth_table.hpp"
 
 namespace cli {
 
@@ -22,7 +20,9 @@ void add_truth(CLI::App& app, Context& context) {
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("truth", "Hold the CFD against published values: forces, angles, torque of spin");
-  command->footer("Every method that solved a pose has its row. Exit code 5 when nothing was published about any case.\nExample: dragval truth --format md");
+  command->footer(
+      "Every method that solved a pose has its row. Exit code 5 when nothing was published about any case.\nExample: dragval truth "
+      "--format md");
   add_source_options(*command, options->source);
   command->add_option("--format", options->format, "table, md, csv or json")->capture_default_str();
   command->add_flag("--mesh", options->mesh, "How far the mesh, and symmetry, leave C_D open by body and flow, instead");

@@ -1,7 +1,6 @@
-#include <fmt/format.h>  // before any header of compare: fmt has a function of that name
-
 #include "compare/variants.hpp"
 
+#include <fmt/format.h>  // before any header of compare: fmt has a function of that name
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -20,8 +19,10 @@ void add_variants(CLI::App& app, Context& context) {
     bool json = false;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("variants", "Hold variants of the numerics, of the mesh's seed or of the start against their base case");
-  command->footer("Exit code 5 when no variant has a usable base on its mesh level.\nExample: dragval variants --store results/studies.h5 --format md");
+  CLI::App* command =
+      app.add_subcommand("variants", "Hold variants of the numerics, of the mesh's seed or of the start against their base case");
+  command->footer(
+      "Exit code 5 when no variant has a usable base on its mesh level.\nExample: dragval variants --store results/studies.h5 --format md");
   add_source_options(*command, options->source);
   command->add_option("--format", options->format, "table, md, csv or json")->capture_default_str();
   command->add_flag("--json", options->json, "The same as --format json");

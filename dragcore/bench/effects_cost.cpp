@@ -1,5 +1,5 @@
-// What asking required_effects() costs, and what it saves: CPU time in units of one wrench() with everything on. Markdown table on stdout; medians of
-// fifteen runs of this machine.
+// What asking required_effects() costs, and what it saves: CPU time in units of one wrench() with everything on. Markdown table on stdout;
+// medians of fifteen runs of this machine.
 
 #include <algorithm>
 #include <array>
@@ -34,7 +34,8 @@ double ratio(const std::function<void()>& work, const std::function<void()>& uni
 
 int main() {
   std::printf("| body | motion | needed | asking | wrench() with what is needed |\n|---|---|---|---|---|\n");
-  for (const auto& [name, shape] : {std::pair<const char*, Shape>("sheet, 8 triangles", Plate{1.0, 1.0, 0.0}), {"cube, 48 triangles", Box{}},
+  for (const auto& [name, shape] : {std::pair<const char*, Shape>("sheet, 8 triangles", Plate{1.0, 1.0, 0.0}),
+                                    {"cube, 48 triangles", Box{}},
                                     {"ball, 768 triangles", Sphere{}}})
     for (const bool free : {true, false}) {
       const Surface surface(triangulate(shape, std::holds_alternative<Sphere>(shape) ? 8 : 2));
@@ -44,11 +45,14 @@ int main() {
       double sum = 0.0;  // so that nothing is optimised away
       const auto all = [&] { sum += wrench(surface, motion, {}, whole).total().force.x(); };
       const auto some = [&] { sum += wrench(surface, motion, {}, reduced).total().force.x(); };
-      const auto asking = [&] { sum += required_effects({.surface = surface, .motion = motion, .free = free, .model = whole}).force_scale; };
+      const auto asking = [&] {
+        sum += required_effects({.surface = surface, .motion = motion, .free = free, .model = whole}).force_scale;
+      };
       std::string needed;
       for (unsigned bit = 1; bit < Effects::all().bits(); bit <<= 1)
         if (reduced.effects.has(static_cast<Effect>(bit))) needed += (needed.empty() ? "" : ", ") + to_string(static_cast<Effect>(bit));
-      std::printf("| %s | %s | %s | %.1f | %.2f |\n", name, free ? "free, spins" : "held, no spin", needed.c_str(), ratio(asking, all), ratio(some, all));
+      std::printf("| %s | %s | %s | %.1f | %.2f |\n", name, free ? "free, spins" : "held, no spin", needed.c_str(), ratio(asking, all),
+                  ratio(some, all));
       if (sum == 42.0) std::printf("\n");
     }
 }

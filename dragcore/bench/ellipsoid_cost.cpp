@@ -1,5 +1,5 @@
-// What an exact ellipsoid costs, and how exact it is: three Markdown tables on stdout. Errors are seeded and the same on every run; CPU times
-// are of this machine, the median of seven runs.
+// What an exact ellipsoid costs, and how exact it is: three Markdown tables on stdout. Errors are seeded and the same on every run; CPU
+// times are of this machine, the median of seven runs.
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -36,7 +36,8 @@ int main() {
     Shape shape;
     int divisions;
   };
-  const std::vector<Body> bodies = {{"cube, 12 triangles", Box{1, 1, 1}, 1}, {"plate, 12 triangles", Plate{1, 1, 0.05}, 1}, {"cone of 60°, 48 triangles", Cone{}, 2}};
+  const std::vector<Body> bodies = {
+      {"cube, 12 triangles", Box{1, 1, 1}, 1}, {"plate, 12 triangles", Plate{1, 1, 0.05}, 1}, {"cone of 60°, 48 triangles", Cone{}, 2}};
 
   std::printf("| body | ωa/V |");
   for (const auto& [name, method] : methods) std::printf(" %s |", name);
@@ -51,10 +52,12 @@ int main() {
     for (int level = 0; level < 4; ++level) {
       TriangleMesh next;
       for (const auto& t : refined.triangles) {
-        const Vector3d a = refined.vertices[static_cast<std::size_t>(t[0])], b = refined.vertices[static_cast<std::size_t>(t[1])], c = refined.vertices[static_cast<std::size_t>(t[2])];
+        const Vector3d a = refined.vertices[static_cast<std::size_t>(t[0])], b = refined.vertices[static_cast<std::size_t>(t[1])],
+                       c = refined.vertices[static_cast<std::size_t>(t[2])];
         const int k = static_cast<int>(next.vertices.size());
         next.vertices.insert(next.vertices.end(), {a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)});
-        for (const Eigen::Vector3i& part : {Eigen::Vector3i(0, 3, 5), Eigen::Vector3i(3, 1, 4), Eigen::Vector3i(5, 4, 2), Eigen::Vector3i(3, 4, 5)})
+        for (const Eigen::Vector3i& part :
+             {Eigen::Vector3i(0, 3, 5), Eigen::Vector3i(3, 1, 4), Eigen::Vector3i(5, 4, 2), Eigen::Vector3i(3, 4, 5)})
           next.triangles.push_back(part + Eigen::Vector3i::Constant(k));
       }
       refined = welded(next);
@@ -78,7 +81,8 @@ int main() {
         const Vector3d base = wrench(fine, still, {}, {}).total().torque;
         const Vector3d exact = wrench(fine, motion, {}, {.quadrature = Quadrature::six}).total().torque - base;
         size += exact.squaredNorm();
-        for (std::size_t k = 0; k < methods.size(); ++k) error[k] += (methods[k].second(coarse, motion).torque - base - exact).squaredNorm();
+        for (std::size_t k = 0; k < methods.size(); ++k)
+          error[k] += (methods[k].second(coarse, motion).torque - base - exact).squaredNorm();
       }
       std::printf("| %s | %s |", body.name, std::isinf(ratio) ? "∞" : std::to_string(ratio).substr(0, 3).c_str());
       for (const double e : error) {
@@ -95,7 +99,8 @@ int main() {
   const Surface cube(triangulate(Box{}, 1)), fine_cube(triangulate(Box{}, 64));
   const Motion spinning{.angular_velocity = Vector3d::UnitZ()};
   const auto torque = [&](const Wrench& w) { return w.torque.z(); };
-  std::printf("\nM_z / (rho omega^2 a^5): fine integration %.5f", torque(wrench(fine_cube, spinning, {.density = 1.0}, {.quadrature = Quadrature::six}).total()));
+  std::printf("\nM_z / (rho omega^2 a^5): fine integration %.5f",
+              torque(wrench(fine_cube, spinning, {.density = 1.0}, {.quadrature = Quadrature::six}).total()));
   for (const auto& [name, method] : methods) std::printf("; %s %.5f", name, torque(method(cube, spinning)) / Medium{}.density);
   std::printf("\n");
 

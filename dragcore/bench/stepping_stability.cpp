@@ -1,5 +1,5 @@
-// A sheet of paper thrown at random: share of throws that gain energy relative to the air, and the error of the velocity after half a second,
-// for an explicit step and the three of stepping.hpp. Markdown table on stdout; seeded.
+// A sheet of paper thrown at random: share of throws that gain energy relative to the air, and the error of the velocity after half a
+// second, for an explicit step and the three of stepping.hpp. Markdown table on stdout; seeded.
 
 #include <Eigen/LU>
 #include <cmath>
@@ -24,13 +24,19 @@ int main() {
     const Wrench w = wrench(paper, motion, {}, model).total();
     return Vector6d((Vector6d() << w.force, w.torque).finished());
   };
-  const auto velocity_of = [](const Motion& motion) { return Vector6d((Vector6d() << motion.velocity, motion.angular_velocity).finished()); };
+  const auto velocity_of = [](const Motion& motion) {
+    return Vector6d((Vector6d() << motion.velocity, motion.angular_velocity).finished());
+  };
   const std::vector<std::pair<const char*, Update>> updates = {
       {"explicit Euler", [&](const Motion& motion, double dt) { return Vector6d(velocity_of(motion) + dt * inverse * wrench_of(motion)); }},
       {"secant-implicit",
-       [&](const Motion& motion, double dt) { return step_secant_implicit(resistance(paper, motion, {}, model), body, motion, Vector6d::Zero(), dt); }},
+       [&](const Motion& motion, double dt) {
+         return step_secant_implicit(resistance(paper, motion, {}, model), body, motion, Vector6d::Zero(), dt);
+       }},
       {"scalar-implicit",
-       [&](const Motion& motion, double dt) { return step_scalar_implicit(resistance(paper, motion, {}, model), body, motion, Vector6d::Zero(), dt); }},
+       [&](const Motion& motion, double dt) {
+         return step_scalar_implicit(resistance(paper, motion, {}, model), body, motion, Vector6d::Zero(), dt);
+       }},
       {"impulse share", [&](const Motion& motion, double dt) {
          const Wrench w = wrench(paper, motion, {}, model).total();
          return Vector6d(velocity_of(motion) + impulse_share(w, body, motion, dt) * dt * inverse * wrench_of(motion));

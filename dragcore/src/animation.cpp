@@ -1,8 +1,7 @@
-#include <dragcore/animation.hpp>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <dragcore/animation.hpp>
 
 #include "require.hpp"
 

@@ -1,7 +1,6 @@
-#include <dragcore/body_wind.hpp>
-
 #include <Eigen/LU>
 #include <algorithm>
+#include <dragcore/body_wind.hpp>
 
 #include "require.hpp"
 
@@ -15,19 +14,24 @@ namespace {
 void validate(const BodyPlacement& place, const Vector3d& reference_point) {
   require_finite("body wind: position", place.position);
   require_finite("body wind: reference_point", reference_point);
-  const bool rotation = place.rotation.allFinite() && (place.rotation.transpose() * place.rotation).isIdentity(1e-9) && place.rotation.determinant() > 0.0;
-  require(rotation, "body wind: rotation", Eigen::Matrix<double, 9, 1>(place.rotation.reshaped()), "it must be a rotation: orthonormal columns, determinant +1");
+  const bool rotation =
+      place.rotation.allFinite() && (place.rotation.transpose() * place.rotation).isIdentity(1e-9) && place.rotation.determinant() > 0.0;
+  require(rotation, "body wind: rotation", Eigen::Matrix<double, 9, 1>(place.rotation.reshaped()),
+          "it must be a rotation: orthonormal columns, determinant +1");
 }
 
 }  // namespace
 
-BodyWind::BodyWind(const Wind& wind, const Surface& surface, const BodyPlacement& place, const Vector3d& reference_point, WindSampling sampling)
+BodyWind::BodyWind(const Wind& wind, const Surface& surface, const BodyPlacement& place, const Vector3d& reference_point,
+                   WindSampling sampling)
     : sampling_(sampling) {
   validate(place, reference_point);
   const Matrix3d to_body = place.rotation.transpose();
   const auto in_world = [&](const Vector3d& r) -> Vector3d { return place.rotation * r + place.position; };
   switch (sampling) {
-    case WindSampling::constant: velocity_ = to_body * wind.velocity(in_world(reference_point)); break;
+    case WindSampling::constant:
+      velocity_ = to_body * wind.velocity(in_world(reference_point));
+      break;
     case WindSampling::affine: {
       const WindSample sample = wind.sample(in_world(surface.centre));
       gradient_ = to_body * sample.gradient * place.rotation;
@@ -44,7 +48,8 @@ BodyWind::BodyWind(const Wind& wind, const Surface& surface, const BodyPlacement
   }
 }
 
-BodyWind BodyWind::within(const Wind& wind, const Surface& surface, const BodyPlacement& place, const Vector3d& reference_point, double tolerance) {
+BodyWind BodyWind::within(const Wind& wind, const Surface& surface, const BodyPlacement& place, const Vector3d& reference_point,
+                          double tolerance) {
   validate(place, reference_point);
   require(tolerance >= 0.0, "body wind: tolerance", tolerance, "it must be at least 0 [m/s]");
   double triangle_radius = 0.0;
@@ -56,7 +61,10 @@ BodyWind BodyWind::within(const Wind& wind, const Surface& surface, const BodyPl
   // `constant` is sampled at the reference point, which may lie off the ball's centre: both are within the ball, so twice the bound.
   const bool uniform = 2.0 * variation.constant <= tolerance && (reference_point - surface.centre).norm() <= surface.radius;
   const WindSampling chosen = choose_sampling(variation, tolerance);
-  return BodyWind(wind, surface, place, reference_point, uniform ? WindSampling::constant : chosen == WindSampling::constant ? WindSampling::affine : chosen);
+  return BodyWind(wind, surface, place, reference_point,
+                  uniform                            ? WindSampling::constant
+                  : chosen == WindSampling::constant ? WindSampling::affine
+                                                     : chosen);
 }
 
 void BodyWind::apply_to(Motion& motion) const& {

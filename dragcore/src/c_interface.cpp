@@ -46,7 +46,12 @@ using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using RowMajor6d = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
 dragcore::Motion motion_of(const dragcore_motion& m) {
-  return {vector(m.wind), vector(m.velocity), vector(m.angular_velocity), vector(m.reference_point), Eigen::Map<const RowMajor3d>(m.wind_gradient), {}};
+  return {vector(m.wind),
+          vector(m.velocity),
+          vector(m.angular_velocity),
+          vector(m.reference_point),
+          Eigen::Map<const RowMajor3d>(m.wind_gradient),
+          {}};
 }
 
 /// Every number of a law, either way between its two structs.
@@ -107,10 +112,11 @@ dragcore::MassProperties body_of(const dragcore_body& b) {
   return {b.mass, Eigen::Map<const RowMajor3d>(b.inertia), Eigen::Map<const RowMajor6d>(b.added_mass)};
 }
 
-using Step = dragcore::Vector6d (*)(const dragcore::Matrix6d&, const dragcore::MassProperties&, const dragcore::Motion&, const dragcore::Vector6d&, double);
+using Step = dragcore::Vector6d (*)(const dragcore::Matrix6d&, const dragcore::MassProperties&, const dragcore::Motion&,
+                                    const dragcore::Vector6d&, double);
 
-dragcore_status step(Step step_function, const double* matrix, const dragcore_body* body, const dragcore_motion* motion, const dragcore_wrench* external, double dt,
-                     double* velocity, double* angular_velocity) {
+dragcore_status step(Step step_function, const double* matrix, const dragcore_body* body, const dragcore_motion* motion,
+                     const dragcore_wrench* external, double dt, double* velocity, double* angular_velocity) {
   return guarded([&] {
     require(matrix, "matrix");
     require(body, "body");
@@ -184,8 +190,8 @@ dragcore_status dragcore_surface_sides(const dragcore_surface* surface, dragcore
 
 void dragcore_surface_destroy(dragcore_surface* surface) { delete surface; }
 
-dragcore_status dragcore_evaluate(const dragcore_surface* surface, const dragcore_motion* motion, double density, const dragcore_model* model,
-                                  dragcore_wrench* result) {
+dragcore_status dragcore_evaluate(const dragcore_surface* surface, const dragcore_motion* motion, double density,
+                                  const dragcore_model* model, dragcore_wrench* result) {
   return guarded([&] {
     require(surface, "surface");
     require(motion, "motion");
@@ -197,8 +203,8 @@ dragcore_status dragcore_evaluate(const dragcore_surface* surface, const dragcor
   });
 }
 
-dragcore_status dragcore_resistance(const dragcore_surface* surface, const dragcore_motion* motion, double density, const dragcore_model* model,
-                                    double matrix[36]) {
+dragcore_status dragcore_resistance(const dragcore_surface* surface, const dragcore_motion* motion, double density,
+                                    const dragcore_model* model, double matrix[36]) {
   return guarded([&] {
     require(surface, "surface");
     require(motion, "motion");
@@ -209,8 +215,8 @@ dragcore_status dragcore_resistance(const dragcore_surface* surface, const dragc
   });
 }
 
-dragcore_status dragcore_force_jacobian(const dragcore_surface* surface, const dragcore_motion* motion, double density, const dragcore_model* model,
-                                        double matrix[36]) {
+dragcore_status dragcore_force_jacobian(const dragcore_surface* surface, const dragcore_motion* motion, double density,
+                                        const dragcore_model* model, double matrix[36]) {
   return guarded([&] {
     require(surface, "surface");
     require(motion, "motion");
@@ -220,13 +226,13 @@ dragcore_status dragcore_force_jacobian(const dragcore_surface* surface, const d
   });
 }
 
-dragcore_status dragcore_step_secant_implicit(const double matrix[36], const dragcore_body* body, const dragcore_motion* motion, const dragcore_wrench* external,
-                                              double dt, double velocity[3], double angular_velocity[3]) {
+dragcore_status dragcore_step_secant_implicit(const double matrix[36], const dragcore_body* body, const dragcore_motion* motion,
+                                              const dragcore_wrench* external, double dt, double velocity[3], double angular_velocity[3]) {
   return step(dragcore::step_secant_implicit, matrix, body, motion, external, dt, velocity, angular_velocity);
 }
 
-dragcore_status dragcore_step_scalar_implicit(const double matrix[36], const dragcore_body* body, const dragcore_motion* motion, const dragcore_wrench* external,
-                                              double dt, double velocity[3], double angular_velocity[3]) {
+dragcore_status dragcore_step_scalar_implicit(const double matrix[36], const dragcore_body* body, const dragcore_motion* motion,
+                                              const dragcore_wrench* external, double dt, double velocity[3], double angular_velocity[3]) {
   return step(dragcore::step_scalar_implicit, matrix, body, motion, external, dt, velocity, angular_velocity);
 }
 
@@ -248,7 +254,8 @@ dragcore_status dragcore_gyroscopic_spin(const dragcore_body* body, const double
   });
 }
 
-dragcore_status dragcore_wind_excess(const dragcore_wrench* wrench, const double matrix[36], const dragcore_motion* motion, dragcore_wrench* excess) {
+dragcore_status dragcore_wind_excess(const dragcore_wrench* wrench, const double matrix[36], const dragcore_motion* motion,
+                                     dragcore_wrench* excess) {
   return guarded([&] {
     require(wrench, "wrench");
     require(matrix, "matrix");
@@ -260,7 +267,8 @@ dragcore_status dragcore_wind_excess(const dragcore_wrench* wrench, const double
   });
 }
 
-dragcore_status dragcore_impulse_share(const dragcore_wrench* wrench, const dragcore_body* body, const dragcore_motion* motion, double dt, double* share) {
+dragcore_status dragcore_impulse_share(const dragcore_wrench* wrench, const dragcore_body* body, const dragcore_motion* motion, double dt,
+                                       double* share) {
   return guarded([&] {
     require(wrench, "wrench");
     require(body, "body");

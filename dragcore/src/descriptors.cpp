@@ -1,8 +1,7 @@
-#include <dragcore/descriptors.hpp>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <dragcore/descriptors.hpp>
 
 #include "local_forces.hpp"
 

@@ -1,6 +1,5 @@
-#include <dragcore/drag.hpp>
-
 #include <cmath>
+#include <dragcore/drag.hpp>
 #include <stdexcept>
 #include <string>
 
@@ -15,7 +14,8 @@ void check_input(const Motion& motion, const Medium& medium, const Model& model)
   if (!model.check) return;
   const auto usable = [](const Vector3d& v, const char* name) {
     // Beyond 1e100 the square of the speed, times a density and an area of any size, leaves the range of numbers; sound is at 340 m/s.
-    require(v.allFinite() && v.cwiseAbs().maxCoeff() <= 1e100, std::string("wrench: motion.") + name, v, "it must be finite, and below 1e100");
+    require(v.allFinite() && v.cwiseAbs().maxCoeff() <= 1e100, std::string("wrench: motion.") + name, v,
+            "it must be finite, and below 1e100");
   };
   usable(motion.wind, "wind");
   usable(motion.velocity, "velocity");
@@ -23,12 +23,14 @@ void check_input(const Motion& motion, const Medium& medium, const Model& model)
   usable(motion.reference_point, "reference_point");
   for (Eigen::Index j = 0; j < 3; ++j) usable(motion.wind_gradient.col(j), "wind_gradient column");
   for (const Vector3d& wind : motion.triangle_wind) usable(wind, "triangle_wind entry");
-  require(medium.density >= 0.0 && medium.density < 1e100, "wrench: density", medium.density, "it must be finite and not negative [kg/m^3]");
+  require(medium.density >= 0.0 && medium.density < 1e100, "wrench: density", medium.density,
+          "it must be finite and not negative [kg/m^3]");
   const double largest = model.pillow.form == PillowForm::tilt ? 1.5 : 1.0;  // beyond, the tilt falloff would be negative on half the face
   require(model.pillow.factor >= 0.0 && model.pillow.factor <= largest, "wrench: pillow factor", model.pillow.factor,
           "the form '" + to_string(model.pillow.form) + "' takes 0 to " + std::to_string(largest));
   const int points = static_cast<int>(model.quadrature);
-  require(points == 0 || points == 1 || points == 3 || points == 6, "wrench: points of quadrature", points, "it must be 1, 3 or 6, or 0 for adaptive");
+  require(points == 0 || points == 1 || points == 3 || points == 6, "wrench: points of quadrature", points,
+          "it must be 1, 3 or 6, or 0 for adaptive");
   validate(model.law);
 }
 
@@ -41,33 +43,50 @@ void check_input(const Surface& surface, const Motion& motion, const Medium& med
 
 void check_result(bool finite, const Model& model) {
   if (model.check && !finite)
-    throw std::overflow_error("wrench: the result is not finite, although every input is; velocity, density or size must be many orders of magnitude too large");
+    throw std::overflow_error(
+        "wrench: the result is not finite, although every input is; velocity, density or size must be many orders of magnitude too large");
 }
 
 std::string to_string(Term term) {
   switch (term) {
-    case Term::windward_pressure: return "windward pressure";
-    case Term::leeward_suction: return "leeward suction";
-    case Term::base_suction: return "base suction";
-    case Term::rear_recovery: return "rear recovery";
-    case Term::curvature: return "curvature";
-    case Term::friction: return "friction";
-    case Term::count: break;
+    case Term::windward_pressure:
+      return "windward pressure";
+    case Term::leeward_suction:
+      return "leeward suction";
+    case Term::base_suction:
+      return "base suction";
+    case Term::rear_recovery:
+      return "rear recovery";
+    case Term::curvature:
+      return "curvature";
+    case Term::friction:
+      return "friction";
+    case Term::count:
+      break;
   }
   throw std::invalid_argument("not a term of the wrench");
 }
 
 std::string to_string(Effect effect) {
   switch (effect) {
-    case Effect::leeward_suction: return "leeward suction";
-    case Effect::friction: return "friction";
-    case Effect::base_suction: return "base suction";
-    case Effect::recovery: return "rear recovery";
-    case Effect::shelter: return "shelter";
-    case Effect::curvature: return "curvature";
-    case Effect::pillow: return "pillow";
-    case Effect::spin: return "spin";
-    case Effect::wind_variation: return "wind variation";
+    case Effect::leeward_suction:
+      return "leeward suction";
+    case Effect::friction:
+      return "friction";
+    case Effect::base_suction:
+      return "base suction";
+    case Effect::recovery:
+      return "rear recovery";
+    case Effect::shelter:
+      return "shelter";
+    case Effect::curvature:
+      return "curvature";
+    case Effect::pillow:
+      return "pillow";
+    case Effect::spin:
+      return "spin";
+    case Effect::wind_variation:
+      return "wind variation";
   }
   throw std::invalid_argument("not an effect");
 }

@@ -153,7 +153,8 @@ EllipsoidSurface::EllipsoidSurface(const PlacedEllipsoid& placed, int panels_per
 WrenchByTerm wrench(const EllipsoidSurface& ellipsoid, const Motion& motion, const Medium& medium, const Law& law) {
   check_input(motion, medium, Model{.law = law});
   require(law.friction == 0.0 && law.base_suction == 0.0 && law.curvature == 0.0 && law.shelter == 0.0, "ellipsoid: law", law.name,
-          "only the polynomials have an exact integral here: give a law without friction, base suction, shelter and curvature, or a mesh to wrench()");
+          "only the polynomials have an exact integral here: give a law without friction, base suction, shelter and curvature, or a mesh "
+          "to wrench()");
   const Matrix3d& axes = ellipsoid.body.axes;
   const Vector3d arm = ellipsoid.body.centre - motion.reference_point;
   const Vector3d u = axes.transpose() * (motion.wind - motion.velocity - motion.angular_velocity.cross(arm));

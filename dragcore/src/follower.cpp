@@ -1,7 +1,6 @@
-#include <dragcore/follower.hpp>
-
 #include <Eigen/Geometry>
 #include <cmath>
+#include <dragcore/follower.hpp>
 
 #include "require.hpp"
 

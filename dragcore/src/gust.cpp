@@ -1,7 +1,6 @@
-#include <dragcore/gust.hpp>
-
 #include <algorithm>
 #include <cmath>
+#include <dragcore/gust.hpp>
 #include <numbers>
 
 #include "require.hpp"

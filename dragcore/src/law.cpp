@@ -1,5 +1,4 @@
 #include <dragcore/law.hpp>
-
 #include <stdexcept>
 
 #include "require.hpp"
@@ -8,9 +7,12 @@ namespace dragcore {
 
 std::string to_string(BodyClass body_class) {
   switch (body_class) {
-    case BodyClass::sheet: return "sheet";
-    case BodyClass::sharp: return "sharp";
-    case BodyClass::smooth: return "smooth";
+    case BodyClass::sheet:
+      return "sheet";
+    case BodyClass::sharp:
+      return "sharp";
+    case BodyClass::smooth:
+      return "smooth";
   }
   throw std::invalid_argument("not a body class");
 }
@@ -58,9 +60,14 @@ Law named_law(const std::string& name) {
 void validate(const Law& law) {
   const std::string prefix = "law '" + law.name + "': ";
   for (const Law::Polynomial* polynomial : {&law.windward, &law.leeward})
-    for (const double coefficient : *polynomial) require_finite(prefix + (polynomial == &law.windward ? "windward" : "leeward") + " coefficient", coefficient);
-  const auto at_least_zero = [&](const char* name, double value) { require(value >= 0.0 && value < 1e6, prefix + name, value, "it must be from 0 to 1e6"); };
-  const auto positive = [&](const char* name, double value) { require(value > 0.0 && value < 1e6, prefix + name, value, "it must be greater than 0 and below 1e6"); };
+    for (const double coefficient : *polynomial)
+      require_finite(prefix + (polynomial == &law.windward ? "windward" : "leeward") + " coefficient", coefficient);
+  const auto at_least_zero = [&](const char* name, double value) {
+    require(value >= 0.0 && value < 1e6, prefix + name, value, "it must be from 0 to 1e6");
+  };
+  const auto positive = [&](const char* name, double value) {
+    require(value > 0.0 && value < 1e6, prefix + name, value, "it must be greater than 0 and below 1e6");
+  };
   at_least_zero("friction", law.friction);
   at_least_zero("base_suction", law.base_suction);
   positive("base_edge", law.base_edge);

@@ -30,7 +30,8 @@ class ActiveEffects {
     set(Effect::recovery, law.base_suction * law.recovery != 0.0, model);
     set(Effect::shelter, law.shelter != 0.0, model);
     set(Effect::curvature, law.curvature != 0.0, model);
-    set(Effect::pillow, model.pillow.form != PillowForm::none && (model.pillow.factor > 0.0 || model.pillow.form == PillowForm::eccentricity), model);
+    set(Effect::pillow,
+        model.pillow.form != PillowForm::none && (model.pillow.factor > 0.0 || model.pillow.form == PillowForm::eccentricity), model);
     set(Effect::spin, !motion.angular_velocity.isZero(0.0), model);
     set(Effect::wind_variation, !motion.triangle_wind.empty() || !motion.wind_gradient.isZero(0.0), model);
   }
@@ -52,7 +53,12 @@ class ActiveEffects {
 class RelativeFlow {
  public:
   RelativeFlow(const Surface& surface, const Motion& motion, const ActiveEffects& active)
-      : motion_(motion), spin_(active.has<Effect::spin>()), per_triangle_(false), gradient_(false), uniform_(motion.wind - motion.velocity), centre_(uniform_) {
+      : motion_(motion),
+        spin_(active.has<Effect::spin>()),
+        per_triangle_(false),
+        gradient_(false),
+        uniform_(motion.wind - motion.velocity),
+        centre_(uniform_) {
     if (active.has<Effect::wind_variation>()) {
       per_triangle_ = !motion.triangle_wind.empty();
       gradient_ = !per_triangle_ && !motion.wind_gradient.isZero(0.0);
@@ -81,11 +87,14 @@ class RelativeFlow {
     variation_ += turning.norm();
   }
 
-  static std::size_t patch_of(const Surface& surface, Eigen::Index triangle) { return static_cast<std::size_t>(surface.patch[static_cast<std::size_t>(triangle)]); }
+  static std::size_t patch_of(const Surface& surface, Eigen::Index triangle) {
+    return static_cast<std::size_t>(surface.patch[static_cast<std::size_t>(triangle)]);
+  }
 
   /// At a point of a triangle, of a patch, and at the surface's centre.
   Eigen::Vector3d at(const Eigen::Vector3d& r, Eigen::Index triangle) const {
-    return moved(per_triangle_ ? Eigen::Vector3d(motion_.triangle_wind[static_cast<std::size_t>(triangle)] - motion_.velocity) : uniform_, r);
+    return moved(per_triangle_ ? Eigen::Vector3d(motion_.triangle_wind[static_cast<std::size_t>(triangle)] - motion_.velocity) : uniform_,
+                 r);
   }
   Eigen::Vector3d at_patch(const Patch& patch, std::size_t index) const {
     return moved(per_triangle_ ? Eigen::Vector3d(patch_wind_[index] - motion_.velocity) : uniform_, patch.centroid);
@@ -135,10 +144,13 @@ class BodyLaw {
     const bool aspect = active.has<Effect::base_suction>() && law.aspect_gain != 0.0;
     if (!aspect && !active.has<Effect::recovery>() && !active.has<Effect::shelter>()) return;
     const Descriptors body = describe(surface, flow.at_centre());
-    // A spinning body has no one direction of flow: what depends on it fades as the spin takes over, and a tumbling body is left with the local terms.
+    // A spinning body has no one direction of flow: what depends on it fades as the spin takes over, and a tumbling body is left with the
+    // local terms.
     const double travel = flow.at_centre().squaredNorm(), turning = flow.variation_per_metre() * surface.radius;
     const double directed = travel > 0.0 ? travel / (travel + turning * turning) : 0.0;
-    if (aspect) aspect_factor_ += directed * law.aspect_gain * body.aspect * body.aspect / (body.aspect * body.aspect + law.aspect_scale * law.aspect_scale);
+    if (aspect)
+      aspect_factor_ +=
+          directed * law.aspect_gain * body.aspect * body.aspect / (body.aspect * body.aspect + law.aspect_scale * law.aspect_scale);
     if (active.has<Effect::recovery>()) {
       instrument::count(Effect::recovery);
       push_ = directed * law.base_suction * law.recovery * body.depth / (body.depth + law.recovery_depth);
@@ -150,7 +162,8 @@ class BodyLaw {
     }
   }
 
-  /// Visits (term, coefficient and slope) of everything that windward surface feels along its inward normal. `chi` is called only where it counts.
+  /// Visits (term, coefficient and slope) of everything that windward surface feels along its inward normal. `chi` is called only where it
+  /// counts.
   template <class Chi, class Visit>
   void windward(double c, Chi&& chi, Visit&& visit) const {
     Curve shelter{1.0, 0.0};
@@ -170,7 +183,8 @@ class BodyLaw {
     }
     if (active_.has<Effect::curvature>()) {
       instrument::count(Effect::curvature);
-      if (const double factor = chi(); factor > 0.0) visit(Term::curvature, shelter * (saturating(c, 0.2) * Curve{1.0 - c * c, -2.0 * c}) * (-law_.curvature * factor));
+      if (const double factor = chi(); factor > 0.0)
+        visit(Term::curvature, shelter * (saturating(c, 0.2) * Curve{1.0 - c * c, -2.0 * c}) * (-law_.curvature * factor));
     }
   }
 
@@ -232,7 +246,8 @@ class PillowShift {
       }
       instrument::count(Effect::pillow);
       const auto falls_off = [&](double alpha) { return patch_pillow_shift(patch, u, alpha, pillow.falloff); };
-      const Eigen::Vector3d shift = pillow.form == PillowForm::tilt ? tilt_pillow_shift(patch, u, pillow.factor) : faded(u, patch.normal, falls_off);
+      const Eigen::Vector3d shift =
+          pillow.form == PillowForm::tilt ? tilt_pillow_shift(patch, u, pillow.factor) : faded(u, patch.normal, falls_off);
       patches_.emplace_back(directed(u, patch.second_moment.trace()) * shift);
     }
   }
@@ -246,13 +261,14 @@ class PillowShift {
     const Eigen::Vector3d u = flow_.at(centroid, triangle), a = centroid - (ab + ac) / 3.0;
     const double square_radius = (ab.squaredNorm() + ac.squaredNorm() - ab.dot(ac)) / 18.0;
     return directed(u, square_radius) * faded(u, normal, [&](double alpha) {
-      return pillow_.form == PillowForm::eccentricity ? eccentricity_pillow_shift(a, a + ab, a + ac, u, alpha)
-                                                      : triangle_pillow_shift(a, a + ab, a + ac, u, alpha, pillow_.falloff);
-    });
+             return pillow_.form == PillowForm::eccentricity ? eccentricity_pillow_shift(a, a + ab, a + ac, u, alpha)
+                                                             : triangle_pillow_shift(a, a + ab, a + ac, u, alpha, pillow_.falloff);
+           });
   }
 
  private:
-  /// Where the air turns about a face more than it passes it there is no leading edge: as BodyLaw does with what depends on one direction of flow.
+  /// Where the air turns about a face more than it passes it there is no leading edge: as BodyLaw does with what depends on one direction
+  /// of flow.
   double directed(const Eigen::Vector3d& u, double square_radius) const {
     const double travel = u.squaredNorm(), variation = flow_.variation_per_metre();
     return travel > 0.0 ? travel / (travel + variation * variation * square_radius) : 0.0;
@@ -279,7 +295,8 @@ double curvature_along(const Surface& surface, Eigen::Index triangle, const Eige
 /// Calls visit(LocalForce) for every contribution, triangle by triangle: the one place where the model walks over a surface.
 /// @param every_point  of the model's rule, also where the flow is the same all over a triangle: what a change of spin would do needs them
 template <class Visit>
-void for_each_local_force(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model, Visit&& visit, bool every_point = false) {
+void for_each_local_force(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model, Visit&& visit,
+                          bool every_point = false) {
   using Eigen::Vector3d;
   const ActiveEffects active(motion, model);
   const RelativeFlow flow(surface, motion, active);
@@ -301,7 +318,8 @@ void for_each_local_force(const Surface& surface, const Motion& motion, const Me
         const double speed = u.norm(), w = -u.dot(normal);
         if (!(speed > 0.0) || w == 0.0) return;
         if (!surface.two_sided() && (w < 0.0) != is_leeward) return;
-        const Vector3d outward = (w < 0.0) != is_leeward ? Vector3d(-normal) : normal;  // on a sheet one of the two sides is right for either
+        const Vector3d outward =
+            (w < 0.0) != is_leeward ? Vector3d(-normal) : normal;  // on a sheet one of the two sides is right for either
         const double c = std::min(1.0, std::abs(w) / speed);
         if (!(c > 0.0)) return;  // edge-on to the last bit
         const auto pass = [&](Term term, const Curve& coefficient) {
@@ -310,7 +328,8 @@ void for_each_local_force(const Surface& surface, const Motion& motion, const Me
         if (is_leeward)
           law.leeward(c, pass);
         else
-          law.windward(c, [&] { return curvature_along(surface, i, (u - normal * normal.dot(u)) / speed, w > 0.0 ? 1.0 : -1.0); }, pass);
+          law.windward(
+              c, [&] { return curvature_along(surface, i, (u - normal * normal.dot(u)) / speed, w > 0.0 ? 1.0 : -1.0); }, pass);
       };
       feel(r + shift, false);
       if (leeward) feel(r, true);
@@ -318,8 +337,15 @@ void for_each_local_force(const Surface& surface, const Motion& motion, const Me
         instrument::count(Effect::friction);
         const Vector3d u = flow.at(r, i);
         if (const double speed = u.norm(); speed > 0.0)
-          visit(LocalForce{i, Term::friction, r - motion.reference_point, normal, u, speed, std::min(1.0, std::abs(u.dot(normal)) / speed),
-                           half_rho_area * (surface.two_sided() ? 2.0 : 1.0), {model.law.friction, 0.0}});
+          visit(LocalForce{i,
+                           Term::friction,
+                           r - motion.reference_point,
+                           normal,
+                           u,
+                           speed,
+                           std::min(1.0, std::abs(u.dot(normal)) / speed),
+                           half_rho_area * (surface.two_sided() ? 2.0 : 1.0),
+                           {model.law.friction, 0.0}});
       }
     };
     const auto at_points = [&](Quadrature order, double share) {
@@ -331,7 +357,8 @@ void for_each_local_force(const Surface& surface, const Motion& motion, const Me
     } else if (model.quadrature != Quadrature::adaptive) {
       at_points(model.quadrature, 1.0);
     } else {
-      const double radius = std::sqrt(std::max({(ab + ac).squaredNorm(), (2.0 * ab - ac).squaredNorm(), (2.0 * ac - ab).squaredNorm()})) / 3.0;
+      const double radius =
+          std::sqrt(std::max({(ab + ac).squaredNorm(), (2.0 * ab - ac).squaredNorm(), (2.0 * ac - ab).squaredNorm()})) / 3.0;
       const QuadratureShares shares = adaptive_shares(flow.variation_per_metre() * radius, flow.at(centroid, i).norm());
       if (shares.one > 0.0) at_points(Quadrature::one, shares.one);
       if (shares.three > 0.0) at_points(Quadrature::three, shares.three);

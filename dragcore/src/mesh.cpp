@@ -1,10 +1,9 @@
-#include <dragcore/mesh.hpp>
-
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <dragcore/mesh.hpp>
 #include <map>
 #include <set>
 #include <sstream>
@@ -46,7 +45,8 @@ std::vector<Hole> holes(const std::map<std::pair<int, int>, int>& boundary, cons
   std::map<int, Hole> by_root;
   for (const auto& [edge, times] : boundary) {
     Hole& hole = by_root[root(edge.first)];
-    const Vector3d from = vertices[static_cast<std::size_t>(edge.first)] - origin, to = vertices[static_cast<std::size_t>(edge.second)] - origin;
+    const Vector3d from = vertices[static_cast<std::size_t>(edge.first)] - origin,
+                   to = vertices[static_cast<std::size_t>(edge.second)] - origin;
     hole.area += 0.5 * times * from.cross(to);
     hole.centre += 0.5 * (from + to);
     ++hole.edges;
@@ -72,14 +72,16 @@ void validate(const TriangleMesh& mesh) {
   for (int i = 0; i < count; ++i)
     if (!mesh.vertices[i].allFinite()) {
       std::ostringstream message;
-      message << "mesh: vertex " << i << " is (" << mesh.vertices[i].transpose() << "), but coordinates must be finite; repair or remove it";
+      message << "mesh: vertex " << i << " is (" << mesh.vertices[i].transpose()
+              << "), but coordinates must be finite; repair or remove it";
       throw std::invalid_argument(message.str());
     }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const int index : mesh.triangles[t])
       if (index < 0 || index >= count) {
         std::ostringstream message;
-        message << "mesh: triangle " << t << " refers to vertex " << index << ", but there are " << count << " vertices (0 to " << count - 1 << ")";
+        message << "mesh: triangle " << t << " refers to vertex " << index << ", but there are " << count << " vertices (0 to " << count - 1
+                << ")";
         throw std::invalid_argument(message.str());
       }
 }
@@ -134,7 +136,8 @@ MeshProperties inspect(const TriangleMesh& mesh) {
       ++(from < to ? use.forward : use.backward);
     }
   }
-  std::map<std::pair<int, int>, int> boundary;  // edges that their triangles run through oftener one way than the other; bad winding makes no hole
+  std::map<std::pair<int, int>, int>
+      boundary;  // edges that their triangles run through oftener one way than the other; bad winding makes no hole
   for (const auto& [edge, use] : edges) {
     const int total = use.forward + use.backward;
     if (total == 1) ++p.boundary_edges;
@@ -178,7 +181,8 @@ std::string describe(const MeshProperties& p) {
 }
 
 TriangleMesh transformed(const TriangleMesh& mesh, const Eigen::Matrix3d& linear, const Vector3d& translation) {
-  if (!linear.allFinite() || !translation.allFinite()) throw std::invalid_argument("transformed: every entry of the transform must be finite");
+  if (!linear.allFinite() || !translation.allFinite())
+    throw std::invalid_argument("transformed: every entry of the transform must be finite");
   TriangleMesh result = mesh;
   for (Vector3d& v : result.vertices) v = linear * v + translation;
   if (linear.determinant() < 0.0)

@@ -1,9 +1,8 @@
-#include <dragcore/pillow.hpp>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <dragcore/pillow.hpp>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -17,14 +16,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-// The circular falloff sqrt(1 - s^2) has a root at the trailing edge, s = 1. With y = sqrt(1 - s) it is y sqrt(2 - y^2), analytic on the whole
-// face, so that Gauss points in y converge geometrically: the nearest singularity is at y = sqrt(2). 16 points reach rounding.
+// The circular falloff sqrt(1 - s^2) has a root at the trailing edge, s = 1. With y = sqrt(1 - s) it is y sqrt(2 - y^2), analytic on the
+// whole face, so that Gauss points in y converge geometrically: the nearest singularity is at y = sqrt(2). 16 points reach rounding.
 const GaussLegendre<16>& gauss() {
   static const GaussLegendre<16> rule;
   return rule;
 }
 
-/// Integrals over a triangle of height 1 at s = beta, by thickness h(s): D = int g h ds, N = int s g h ds, P = int g h^2 ds, with g = sqrt(1 - s^2).
+/// Integrals over a triangle of height 1 at s = beta, by thickness h(s): D = int g h ds, N = int s g h ds, P = int g h^2 ds, with g =
+/// sqrt(1 - s^2).
 struct FalloffIntegrals {
   double d = 0.0, n = 0.0, p = 0.0;
 };
@@ -107,11 +107,16 @@ ChordFrame chord_frame(const Patch& patch, const Vector3d& u) {
 
 std::string to_string(PillowForm form) {
   switch (form) {
-    case PillowForm::none: return "none";
-    case PillowForm::triangle: return "triangle";
-    case PillowForm::patch: return "patch";
-    case PillowForm::tilt: return "tilt";
-    case PillowForm::eccentricity: return "eccentricity";
+    case PillowForm::none:
+      return "none";
+    case PillowForm::triangle:
+      return "triangle";
+    case PillowForm::patch:
+      return "patch";
+    case PillowForm::tilt:
+      return "tilt";
+    case PillowForm::eccentricity:
+      return "eccentricity";
   }
   throw std::invalid_argument("not a pillow form");
 }
@@ -155,12 +160,14 @@ Vector3d triangle_pillow_shift(const Vector3d& a, const Vector3d& b, const Vecto
   const double size = tangential.norm();
   if (alpha == 0.0 || !(size > 1e-14 * u.norm())) return Vector3d::Zero();
   const Vector3d along = tangential / size, centroid = (a + b + c) / 3.0;
-  std::array<std::pair<double, Vector3d>, 3> vertex{{{along.dot(a - centroid), a}, {along.dot(b - centroid), b}, {along.dot(c - centroid), c}}};
+  std::array<std::pair<double, Vector3d>, 3> vertex{
+      {{along.dot(a - centroid), a}, {along.dot(b - centroid), b}, {along.dot(c - centroid), c}}};
   std::sort(vertex.begin(), vertex.end(), [](const auto& left, const auto& right) { return left.first < right.first; });
   const double length = vertex[2].first - vertex[0].first;
   if (!(length > 0.0)) return Vector3d::Zero();
   const Vector3d weights = triangle_pillow_weights((vertex[1].first - vertex[0].first) / length, alpha, falloff);
-  return weights[0] * (vertex[0].second - centroid) + weights[1] * (vertex[1].second - centroid) + weights[2] * (vertex[2].second - centroid);
+  return weights[0] * (vertex[0].second - centroid) + weights[1] * (vertex[1].second - centroid) +
+         weights[2] * (vertex[2].second - centroid);
 }
 
 Vector3d eccentricity_pillow_shift(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& u, double alpha) {

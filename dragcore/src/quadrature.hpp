@@ -21,10 +21,14 @@ inline std::span<const QuadraturePoint> quadrature_rule(Quadrature order) {
   static constexpr std::array<QuadraturePoint, 6> six{
       {{a, a, wa}, {a, 1.0 - 2.0 * a, wa}, {1.0 - 2.0 * a, a, wa}, {b, b, wb}, {b, 1.0 - 2.0 * b, wb}, {1.0 - 2.0 * b, b, wb}}};
   switch (order) {
-    case Quadrature::one: return one;
-    case Quadrature::three: return three;
-    case Quadrature::six: return six;
-    case Quadrature::adaptive: break;
+    case Quadrature::one:
+      return one;
+    case Quadrature::three:
+      return three;
+    case Quadrature::six:
+      return six;
+    case Quadrature::adaptive:
+      break;
   }
   return three;
 }

@@ -1,10 +1,9 @@
 // The model, equation by equation, in double precision. Slow on purpose: every quantity is made where it is used.
 
-#include <dragcore/descriptors.hpp>
-#include <dragcore/drag.hpp>
-
 #include <Eigen/Geometry>
 #include <cmath>
+#include <dragcore/descriptors.hpp>
+#include <dragcore/drag.hpp>
 #include <numbers>
 
 #include "quadrature.hpp"
@@ -29,13 +28,16 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
     if (spins) u -= motion.angular_velocity.cross(r - r_0);
     return u;
   };
-  const auto wind_at = [&](std::size_t triangle) { return winds && !motion.triangle_wind.empty() ? motion.triangle_wind[triangle] : motion.wind; };
+  const auto wind_at = [&](std::size_t triangle) {
+    return winds && !motion.triangle_wind.empty() ? motion.triangle_wind[triangle] : motion.wind;
+  };
   const auto mean_wind = [&](int patch) -> Vector3d {  // of one patch, or of all (-1)
     if (!winds || motion.triangle_wind.empty()) return motion.wind;
     Vector3d sum = Vector3d::Zero();
     double area = 0.0;
     for (std::size_t i = 0; i < surface.patch.size(); ++i)
-      if (patch < 0 || surface.patch[i] == patch) sum += surface.area[static_cast<Eigen::Index>(i)] * wind_at(i), area += surface.area[static_cast<Eigen::Index>(i)];
+      if (patch < 0 || surface.patch[i] == patch)
+        sum += surface.area[static_cast<Eigen::Index>(i)] * wind_at(i), area += surface.area[static_cast<Eigen::Index>(i)];
     return area > 0.0 ? Vector3d(sum / area) : motion.wind;
   };
   // How much the relative flow varies per metre: rate of strain and turning of its gradient, G - [omega].
@@ -83,11 +85,20 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
     if (model.effects.has(Effect::pillow)) {
       const Vector3d over = u_in(mean_wind(patch_index), patch.centroid);
       switch (model.pillow.form) {
-        case PillowForm::none: break;
-        case PillowForm::triangle: shift = triangle_pillow_shift(A, B, C, u(G), alpha(u(G), N), model.pillow.falloff); break;
-        case PillowForm::eccentricity: shift = eccentricity_pillow_shift(A, B, C, u(G), alpha(u(G), N)); break;
-        case PillowForm::patch: shift = patch_pillow_shift(patch, over, alpha(over, patch.normal), model.pillow.falloff); break;
-        case PillowForm::tilt: shift = tilt_pillow_shift(patch, over, model.pillow.factor); break;
+        case PillowForm::none:
+          break;
+        case PillowForm::triangle:
+          shift = triangle_pillow_shift(A, B, C, u(G), alpha(u(G), N), model.pillow.falloff);
+          break;
+        case PillowForm::eccentricity:
+          shift = eccentricity_pillow_shift(A, B, C, u(G), alpha(u(G), N));
+          break;
+        case PillowForm::patch:
+          shift = patch_pillow_shift(patch, over, alpha(over, patch.normal), model.pillow.falloff);
+          break;
+        case PillowForm::tilt:
+          shift = tilt_pillow_shift(patch, over, model.pillow.factor);
+          break;
       }
       // Faded where the air turns about the face more than it passes it: mean square radius of the triangle or the patch.
       const bool whole = model.pillow.form == PillowForm::patch || model.pillow.form == PillowForm::tilt;
@@ -111,13 +122,16 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
           const double S = sheltered ? std::exp(-directed * law.shelter * k * k * k * k * x * x / (x + 0.1)) : 1.0;
           const auto push = [&](Term term, double coefficient) { feel(term, coefficient, -n * q_dA * coefficient, r_p, u(r_p)); };
           push(Term::windward_pressure, S * evaluate(law.windward, c));
-          if (model.effects.has(Effect::base_suction)) push(Term::base_suction, S * law.base_suction * h * saturating(c, law.base_edge) * (2.0 - c));
+          if (model.effects.has(Effect::base_suction))
+            push(Term::base_suction, S * law.base_suction * h * saturating(c, law.base_edge) * (2.0 - c));
           if (model.effects.has(Effect::curvature)) {
             const Vector3d t = u(r_p) - n * n.dot(u(r_p));
             const auto K = surface.curvature.row(index);
             const Matrix3d tensor = (Matrix3d() << K[0], K[1], K[2], K[1], K[3], K[4], K[2], K[4], K[5]).finished();
-            const double bend = t.squaredNorm() > 0.0 ? side * t.dot(tensor * t) / t.squaredNorm() * std::sqrt(surface.total_area / std::numbers::pi) : 0.0;
-            const double chi = bend > 0.0 ? bend * bend / (bend * bend + 0.45) : 0.0;  // hollow seen from the back of a sheet is convex seen from its front
+            const double bend =
+                t.squaredNorm() > 0.0 ? side * t.dot(tensor * t) / t.squaredNorm() * std::sqrt(surface.total_area / std::numbers::pi) : 0.0;
+            const double chi = bend > 0.0 ? bend * bend / (bend * bend + 0.45)
+                                          : 0.0;  // hollow seen from the back of a sheet is convex seen from its front
             push(Term::curvature, -S * law.curvature * chi * (1.0 - c * c) * saturating(c, 0.2));
           }
         }
@@ -154,7 +168,8 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
   if (given > 0.0) {
     const double x = largest_gain * taken / given;
     const double share = taken > 0.0 ? std::pow(1.0 + std::pow(1.0 / x, 8), -0.125) : 0.0;
-    for (std::size_t term = 0; term < takes.terms.size(); ++term) takes.terms[term] += {share * gives.terms[term].force, share * gives.terms[term].torque};
+    for (std::size_t term = 0; term < takes.terms.size(); ++term)
+      takes.terms[term] += {share * gives.terms[term].force, share * gives.terms[term].torque};
   }
   return takes;
 }

@@ -1,10 +1,8 @@
-#include <dragcore/required_effects.hpp>
-
-#include <dragcore/fluid_terms.hpp>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <dragcore/fluid_terms.hpp>
+#include <dragcore/required_effects.hpp>
 #include <numbers>
 #include <sstream>
 
@@ -39,12 +37,17 @@ Bounds bounds_of(Function function) {
 /// How far the pillow may displace a pressure on a patch or triangle with this largest second moment per area, and this radius.
 double largest_shift(const Pillow& pillow, double moment, double radius) {
   switch (pillow.form) {
-    case PillowForm::none: return 0.0;
-    case PillowForm::eccentricity: return radius;
-    // Covariance of falloff and place over the mean falloff: half the falloff's range times the radius of gyration, over at least 1 - 2/3 of it.
+    case PillowForm::none:
+      return 0.0;
+    case PillowForm::eccentricity:
+      return radius;
+    // Covariance of falloff and place over the mean falloff: half the falloff's range times the radius of gyration, over at least 1 - 2/3
+    // of it.
     case PillowForm::triangle:
-    case PillowForm::patch: return std::min(radius, 1.5 * pillow.factor * std::sqrt(moment));
-    case PillowForm::tilt: return std::min(radius, pillow.factor * std::sqrt(moment));
+    case PillowForm::patch:
+      return std::min(radius, 1.5 * pillow.factor * std::sqrt(moment));
+    case PillowForm::tilt:
+      return std::min(radius, pillow.factor * std::sqrt(moment));
   }
   return radius;
 }
@@ -65,7 +68,8 @@ RequiredEffects required_effects(const Scene& scene) {
   check_input(surface, motion, scene.medium, scene.model);
   validate(law);
   require(scene.tolerance > 0.0 && scene.tolerance < 1e6, "required_effects: tolerance", scene.tolerance, "it must be greater than 0");
-  require(scene.viscosity > 0.0 && std::isfinite(scene.viscosity), "required_effects: viscosity", scene.viscosity, "it must be greater than 0 [Pa s]");
+  require(scene.viscosity > 0.0 && std::isfinite(scene.viscosity), "required_effects: viscosity", scene.viscosity,
+          "it must be greater than 0 [Pa s]");
 
   // Arms and speeds.
   const double arm = (surface.centre - motion.reference_point).norm() + surface.radius;
@@ -81,12 +85,14 @@ RequiredEffects required_effects(const Scene& scene) {
     wind_speed += scene.wind->velocity(scene.place).norm() + field.constant;
     jump_of_field = field.constant;
   }
-  const double travel = motion.triangle_wind.empty() && !scene.wind ? (motion.wind - motion.velocity).norm() : wind_speed + motion.velocity.norm();
+  const double travel =
+      motion.triangle_wind.empty() && !scene.wind ? (motion.wind - motion.velocity).norm() : wind_speed + motion.velocity.norm();
   const double spin = motion.angular_velocity.norm() * arm;
   double uneven = motion.wind_gradient.norm() * arm + jump_of_field;
   for (const Vector3d& wind : motion.triangle_wind) uneven = std::max(uneven, (wind - motion.wind).norm());
   const double speed = travel + spin + uneven;
-  require(speed > 0.0 || surface.size() == 0, "required_effects: speed of the motion", speed, "give the largest speed and spin to expect: at rest nothing is needed, and nothing follows from it");
+  require(speed > 0.0 || surface.size() == 0, "required_effects: speed of the motion", speed,
+          "give the largest speed and spin to expect: at rest nothing is needed, and nothing follows from it");
   const double q = 0.5 * scene.medium.density * speed * speed;
   const double area = surface.total_area;
 
@@ -111,7 +117,8 @@ RequiredEffects required_effects(const Scene& scene) {
     const Vector3d n = surface.normal.row(i).matrix();
     facing += surface.area[i] * n * n.transpose();
   }
-  const double smallest_front = 0.5 * sides * std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(facing, Eigen::EigenvaluesOnly).eigenvalues()[0]);
+  const double smallest_front =
+      0.5 * sides * std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(facing, Eigen::EigenvaluesOnly).eigenvalues()[0]);
 
   const ActiveEffects active(motion, scene.model);
   const auto add = [&](const std::string& name, std::optional<Effect> effect, double force, double torque, const std::string& why) {
@@ -126,7 +133,8 @@ RequiredEffects required_effects(const Scene& scene) {
     need.why += why;
     result.effects = result.effects | effect;
   };
-  const auto add_pressure = [&](Effect effect, bool present, double coefficient, double wetted, const std::string& absent, const std::string& there) {
+  const auto add_pressure = [&](Effect effect, bool present, double coefficient, double wetted, const std::string& absent,
+                                const std::string& there) {
     const double force = present ? q * wetted * coefficient : 0.0;
     add(to_string(effect), effect, force, force * arm, present ? there : absent);
   };
@@ -140,12 +148,15 @@ RequiredEffects required_effects(const Scene& scene) {
   add_pressure(Effect::base_suction, active.has<Effect::base_suction>(), base.value, area, "the law has no base suction",
                "windward faces feel up to " + text(base.value) + " q of it");
   const bool recovers = active.has<Effect::recovery>() && surface.volume > 0.0;
-  add_pressure(Effect::recovery, recovers, recovery.value, area, active.has<Effect::recovery>() ? "the body has no volume" : "the law has no rear recovery",
+  add_pressure(Effect::recovery, recovers, recovery.value, area,
+               active.has<Effect::recovery>() ? "the body has no volume" : "the law has no rear recovery",
                "leeward faces get back up to " + text(recovery.value) + " q");
-  add_pressure(Effect::shelter, active.has<Effect::shelter>(), (1.0 - std::exp(-law.shelter)) * (windward.value + base.value + curvature.value), area,
-               "the law has no shelter", "a face behind a sharper one loses up to " + text(100.0 * (1.0 - std::exp(-law.shelter))) + " % of its pressure");
+  add_pressure(Effect::shelter, active.has<Effect::shelter>(),
+               (1.0 - std::exp(-law.shelter)) * (windward.value + base.value + curvature.value), area, "the law has no shelter",
+               "a face behind a sharper one loses up to " + text(100.0 * (1.0 - std::exp(-law.shelter))) + " % of its pressure");
   const bool curves = active.has<Effect::curvature>() && curved_area > 0.0;
-  add_pressure(Effect::curvature, curves, curvature.value, curved_area, active.has<Effect::curvature>() ? "no part of the surface is curved" : "the law has no term of curvature",
+  add_pressure(Effect::curvature, curves, curvature.value, curved_area,
+               active.has<Effect::curvature>() ? "no part of the surface is curved" : "the law has no term of curvature",
                text(100.0 * curved_area / std::max(area, 1e-300)) + " % of the surface is curved");
 
   // Pillow: moves pressure, and changes the force only where the velocity differs between the two places.
@@ -172,7 +183,8 @@ RequiredEffects required_effects(const Scene& scene) {
   const double per_metre = motion.angular_velocity.norm() + motion.wind_gradient.norm();
   const double pillow_force = 0.5 * scene.medium.density * slope * speed * per_metre * moved;
   add(to_string(Effect::pillow), Effect::pillow, pillow_force, q * pushing * moved + pillow_force * arm,
-      active.has<Effect::pillow>() ? "pressures move by " + text(moved / std::max(area, 1e-300)) + " m on average at most" : "the model has no pillow, or its factor is 0");
+      active.has<Effect::pillow>() ? "pressures move by " + text(moved / std::max(area, 1e-300)) + " m on average at most"
+                                   : "the model has no pillow, or its factor is 0");
 
   // Spin and wind: largest change of velocity times largest slope, over the whole surface; and what depends on the one direction of flow.
   const double described = (1.0 - std::exp(-law.shelter)) * pushing + recovery.value + law.aspect_gain * law.base_suction;
@@ -182,13 +194,16 @@ RequiredEffects required_effects(const Scene& scene) {
   };
   const double by_spin = active.has<Effect::spin>() ? by_velocity(spin) : 0.0;
   add(to_string(Effect::spin), Effect::spin, by_spin, by_spin * arm,
-      active.has<Effect::spin>() ? "points move at up to " + text(spin) + " m/s by spin, " + text(travel) + " m/s by travel" : "the body does not spin");
-  if (scene.free && scene.model.effects.has(Effect::spin)) keep(Effect::spin, ", but a free body may come to, and nothing else would brake it");
+      active.has<Effect::spin>() ? "points move at up to " + text(spin) + " m/s by spin, " + text(travel) + " m/s by travel"
+                                 : "the body does not spin");
+  if (scene.free && scene.model.effects.has(Effect::spin))
+    keep(Effect::spin, ", but a free body may come to, and nothing else would brake it");
   const bool varies = uneven > 0.0 && scene.model.effects.has(Effect::wind_variation);
   const double by_wind = varies ? by_velocity(uneven) : 0.0;
   add(to_string(Effect::wind_variation), Effect::wind_variation, by_wind, by_wind * arm,
       varies ? "the wind differs by up to " + text(uneven) + " m/s over the body" : "the wind is uniform over the body");
-  if (scene.free && scene.wind && scene.model.effects.has(Effect::wind_variation) && !varies) keep(Effect::wind_variation, " here, but a free body moves on");
+  if (scene.free && scene.wind && scene.model.effects.has(Effect::wind_variation) && !varies)
+    keep(Effect::wind_variation, " here, but a free body moves on");
   if (scene.wind && varies && result.effects.has(Effect::wind_variation)) {
     const double allowed = scene.tolerance * result.force_scale / std::max(by_velocity(1.0), 1e-300);
     result.wind_sampling = choose_sampling(field, allowed);
@@ -199,18 +214,24 @@ RequiredEffects required_effects(const Scene& scene) {
   const double ball = surface.radius;
   const bool smooth = surface.body_class == BodyClass::smooth && motion.angular_velocity.norm() > 0.0 && travel > 0.0;
   const double spin_parameter = smooth ? motion.angular_velocity.norm() * ball / travel : 0.0;
-  const double lift = smooth ? 0.5 * scene.medium.density * travel * travel * std::numbers::pi * ball * ball * std::min(1.5 * spin_parameter, 0.09 + 0.6 * spin_parameter) : 0.0;
-  add("Magnus lift", std::nullopt, lift, 0.0, smooth ? "a smooth body with spin parameter " + text(spin_parameter) : "not a smooth body that spins and travels");
+  const double lift = smooth ? 0.5 * scene.medium.density * travel * travel * std::numbers::pi * ball * ball *
+                                   std::min(1.5 * spin_parameter, 0.09 + 0.6 * spin_parameter)
+                             : 0.0;
+  add("Magnus lift", std::nullopt, lift, 0.0,
+      smooth ? "a smooth body with spin parameter " + text(spin_parameter) : "not a smooth body that spins and travels");
   double inertial = 0.0;
   if (scene.body) {
-    const double carried = scene.medium.density * 8.0 / 3.0 * ball * ball * ball;  // broadside disc of that radius: the largest of all bodies inside the ball
+    const double carried =
+        scene.medium.density * 8.0 / 3.0 * ball * ball * ball;  // broadside disc of that radius: the largest of all bodies inside the ball
     inertial = result.force_scale * carried / scene.body->mass;
-    add("added mass", std::nullopt, inertial, inertial * ball, "air carried along: up to " + text(carried) + " kg with a body of " + text(scene.body->mass) + " kg");
+    add("added mass", std::nullopt, inertial, inertial * ball,
+        "air carried along: up to " + text(carried) + " kg with a body of " + text(scene.body->mass) + " kg");
   } else {
     add("added mass", std::nullopt, 0.0, 0.0, "not judged: the scene does not say the body's mass");
   }
   const double reynolds = scene.medium.density * speed * 2.0 * ball / scene.viscosity;
-  const double viscous = reynolds > 0.0 && reynolds < 1e4 ? std::max(0.0, sphere_drag_coefficient(reynolds) / sphere_drag_coefficient(1e4) - 1.0) : 0.0;
+  const double viscous =
+      reynolds > 0.0 && reynolds < 1e4 ? std::max(0.0, sphere_drag_coefficient(reynolds) / sphere_drag_coefficient(1e4) - 1.0) : 0.0;
   add("low Reynolds number", std::nullopt, viscous * result.force_scale, viscous * result.torque_scale,
       "Re = " + text(reynolds) + " on the diameter of the body's ball; the laws are for Re >= 1e4");
   return result;

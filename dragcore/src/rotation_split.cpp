@@ -1,9 +1,8 @@
-#include <dragcore/rotation_split.hpp>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <dragcore/rotation_split.hpp>
 
 #include "gauss_legendre.hpp"
 #include "quadrature.hpp"
@@ -14,7 +13,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Integrals of w^2 and of w^2 lambda_i for a linear w, as multiples of the area: complete homogeneous symmetric polynomials of its corner values.
+/// Integrals of w^2 and of w^2 lambda_i for a linear w, as multiples of the area: complete homogeneous symmetric polynomials of its corner
+/// values.
 struct SquareMoments {
   double m = 0.0;
   Vector3d q = Vector3d::Zero();
@@ -45,7 +45,8 @@ SquareMoments lone_corner(const Vector3d& w, int k) {
 
 /// The note's sections 2.2.2 to 2.2.5 to the letter. With x and h as printed; the sign of every part by its own rule.
 Wrench printed_rotation(const std::array<Vector3d, 3>& corner, const Vector3d& omega, double density) {
-  const Vector3d centroid = (corner[0] + corner[1] + corner[2]) / 3.0, normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
+  const Vector3d centroid = (corner[0] + corner[1] + corner[2]) / 3.0,
+                 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
   const Vector3d axis = omega.cross(normal);  // E16
   if (!(axis.norm() > 1e-12 * omega.norm())) return {};
   const Vector3d x_axis = axis.normalized(), h_axis = x_axis.cross(normal);
@@ -62,19 +63,20 @@ Wrench printed_rotation(const std::array<Vector3d, 3>& corner, const Vector3d& o
   }
   const double a = p[0].x, b = p[1].x, c = p[2].x;
   const double chord_h = b > a ? p[0].h + (p[2].h - p[0].h) * (b - a) / (c - a) : p[1].h;
-  const double H = std::abs(p[1].h - chord_h), side = p[1].h, d = p[2].h;  // "c" and "d" of the note are heights
-  const double cosine = normal.dot(omega) / omega.norm();                  // E14
+  const double H = std::abs(p[1].h - chord_h), side = p[1].h, d = p[2].h;               // "c" and "d" of the note are heights
+  const double cosine = normal.dot(omega) / omega.norm();                               // E14
   const double factor = density * omega.squaredNorm() * cosine * (1.0 + cosine / 2.0);  // E15
   static const GaussLegendre<16> gauss;
   double torque = 0.0, tilt = 0.0;
   const auto integrate = [&](double from, double to, bool first, double sign) {
     if (!(to > from)) return;
     for (int i = 0; i < 16; ++i) {
-      const double x = from + (to - from) * gauss.point[static_cast<std::size_t>(i)], dx = (to - from) * gauss.weight[static_cast<std::size_t>(i)];
+      const double x = from + (to - from) * gauss.point[static_cast<std::size_t>(i)],
+                   dx = (to - from) * gauss.weight[static_cast<std::size_t>(i)];
       const double h = first ? H * (x - a) / (b - a) : H * (1.0 - (x - b) / (c - b));
       const double middle = first ? (x - a) / (b - a) * (side - H / 2) : d + (x - b) / (c - b) * (d - side + H / 2);  // E6, E20
-      torque += sign * factor * x * x * (h - middle) * x * dx;        // E17, E18: dF_1 = (1 - h_m/h) dF
-      tilt += sign * factor * middle * middle * x * x * x * dx;       // E19
+      torque += sign * factor * x * x * (h - middle) * x * dx;   // E17, E18: dF_1 = (1 - h_m/h) dF
+      tilt += sign * factor * middle * middle * x * x * x * dx;  // E19
     }
   };
   integrate(a, b, true, -1.0);
@@ -85,7 +87,8 @@ Wrench printed_rotation(const std::array<Vector3d, 3>& corner, const Vector3d& o
 
 }  // namespace
 
-Wrench rotating_triangle(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& omega, double density, double leeward_share) {
+Wrench rotating_triangle(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& omega, double density,
+                         double leeward_share) {
   const double speed = omega.norm();
   if (!(speed > 0.0)) return {};
   const Vector3d cross = (b - a).cross(c - a), normal = cross.normalized(), centroid = (a + b + c) / 3.0;
@@ -119,13 +122,17 @@ WrenchByTerm rotation_split_wrench(const Surface& surface, const Motion& motion,
     const Vector3d normal = surface.normal.row(i).matrix(), a = centroid - (ab + ac) / 3.0, lever = centroid - motion.reference_point;
     const Vector3d u = motion.wind - motion.velocity - motion.angular_velocity.cross(lever);
     if (const double speed = u.norm(), w = -u.dot(normal); speed > 0.0 && (w > 0.0 || surface.two_sided())) {
-      const Vector3d force = -std::copysign(0.5 * medium.density * surface.area[i] * speed * speed * evaluate(windward, std::min(1.0, std::abs(w) / speed)), w) * normal;
+      const Vector3d force =
+          -std::copysign(0.5 * medium.density * surface.area[i] * speed * speed * evaluate(windward, std::min(1.0, std::abs(w) / speed)),
+                         w) *
+          normal;
       sum += {force, lever.cross(force)};
     }
     const Wrench rotation = split.formulas == RotationSplit::Formulas::printed
                                 ? printed_rotation({a, Vector3d(a + ab), Vector3d(a + ac)}, motion.angular_velocity, medium.density)
                                 // The other side of a sheet pushes the parts that move the other way.
-                                : rotating_triangle(a, a + ab, a + ac, motion.angular_velocity, medium.density, surface.two_sided() ? 1.0 : split.leeward_share);
+                                : rotating_triangle(a, a + ab, a + ac, motion.angular_velocity, medium.density,
+                                                    surface.two_sided() ? 1.0 : split.leeward_share);
     sum += {rotation.force, rotation.torque + lever.cross(rotation.force)};
   }
   return result;

@@ -1,8 +1,7 @@
-#include <dragcore/shapes.hpp>
-
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
+#include <dragcore/shapes.hpp>
 #include <functional>
 #include <numbers>
 #include <sstream>
@@ -47,7 +46,8 @@ void check(const Box& s) {
 }
 void check(const Cone& s) {
   require_positive("cone", "diameter", s.diameter);
-  require(s.apex_angle > 0.0 && s.apex_angle < pi, "cone", "apex_angle", s.apex_angle, "between 0 and pi, both excluded (radians, the full angle)");
+  require(s.apex_angle > 0.0 && s.apex_angle < pi, "cone", "apex_angle", s.apex_angle,
+          "between 0 and pi, both excluded (radians, the full angle)");
 }
 void check(const Sphere& s) { require_positive("sphere", "diameter", s.diameter); }
 void check(const Cylinder& s) {
@@ -67,7 +67,8 @@ void check(const Teardrop& s) {
 void check(const Prism& s) {
   require_positive("prism", "base", s.base);
   require_positive("prism", "span", s.span);
-  require(s.apex_angle > 0.0 && s.apex_angle < pi, "prism", "apex_angle", s.apex_angle, "between 0 and pi, both excluded (radians, the full angle)");
+  require(s.apex_angle > 0.0 && s.apex_angle < pi, "prism", "apex_angle", s.apex_angle,
+          "between 0 and pi, both excluded (radians, the full angle)");
 }
 
 double height_of_point(double base, double apex_angle) { return 0.5 * base / std::tan(0.5 * apex_angle); }
@@ -78,9 +79,9 @@ struct TeardropParts {
 };
 TeardropParts parts(const Teardrop& s) {
   const double r = 0.5 * s.diameter, d = s.length - r;
-  const double beyond = r * r / d;       // the tangent circle lies this far behind the sphere's centre
-  const double cap = r + beyond;         // height of the part of the sphere that is kept
-  const double cone = d - beyond;        // height of the cone
+  const double beyond = r * r / d;  // the tangent circle lies this far behind the sphere's centre
+  const double cap = r + beyond;    // height of the part of the sphere that is kept
+  const double cone = d - beyond;   // height of the cone
   TeardropParts p{};
   p.radius = r;
   p.centre_to_tail = d;
@@ -102,7 +103,8 @@ double ellipsoid_area(const Ellipsoid& s) {
   if (a - c < 1e-6 * a) return 4.0 * pi * (a * b + b * c + c * a) / 3.0;
   const double phi = std::acos(c / a), sin_phi = std::sin(phi), cos_phi = c / a;
   const double k = std::min(1.0, (a / b) * std::sqrt((b * b - c * c) / (a * a - c * c)));
-  return 2.0 * pi * c * c + 2.0 * pi * a * b / sin_phi * (std::ellint_2(k, phi) * sin_phi * sin_phi + std::ellint_1(k, phi) * cos_phi * cos_phi);
+  return 2.0 * pi * c * c +
+         2.0 * pi * a * b / sin_phi * (std::ellint_2(k, phi) * sin_phi * sin_phi + std::ellint_1(k, phi) * cos_phi * cos_phi);
 }
 
 void check_divisions(int divisions) {
@@ -139,7 +141,8 @@ TriangleMesh box_mesh(const Vector3d& size, const Vector3i& divisions) {
   return welded(mesh);
 }
 
-/// Two triangles at y = -+ span/2 and the three rectangles between them; edges that faces share are equal to the bit, and joined at the end.
+/// Two triangles at y = -+ span/2 and the three rectangles between them; edges that faces share are equal to the bit, and joined at the
+/// end.
 TriangleMesh prism_mesh(const std::array<Vector2d, 3>& corners, double span, int n) {
   TriangleMesh mesh;
   // Point (a, b, c)/n of the triangle (corners in x and z, integer weights), at step k along y.
@@ -240,114 +243,114 @@ TriangleMesh revolved_mesh(const std::vector<Vector2d>& profile, int segments) {
 
 void append_segment(std::vector<Vector2d>& profile, const Vector2d& to, int divisions) {
   const Vector2d from = profile.back();
-  for (int i = 1; i <= divisions; ++i) profile.push_back(i == divisions ? to : Vector2d(from + (to - from) * (static_cast<double>(i) / divisions)));
+  for (int i = 1; i <= divisions; ++i)
+    profile.push_back(i == divisions ? to : Vector2d(from + (to - from) * (static_cast<double>(i) / divisions)));
 }
 
 }  // namespace
 
 ShapeProperties properties(const Shape& shape) {
-  return std::visit(
-      Overload{[](const Plate& s) {
-                 check(s);
-                 const bool sheet = s.thickness == 0.0;
-                 ShapeProperties p;
-                 p.area = sheet ? s.chord * s.span : 2.0 * (s.chord * s.span + s.thickness * (s.chord + s.span));
-                 p.volume = s.chord * s.span * s.thickness;
-                 p.reference_area = s.chord * s.span;
-                 p.reference_length = p.length_x = s.chord;
-                 p.nose_x = -0.5 * s.chord;
-                 p.half_extent = 0.5 * Vector3d(s.chord, s.span, s.thickness);
-                 return p;
-               },
-               [](const Box& s) {
-                 check(s);
-                 ShapeProperties p;
-                 p.area = 2.0 * (s.length * s.width + s.width * s.height + s.height * s.length);
-                 p.volume = s.length * s.width * s.height;
-                 p.reference_area = s.width * s.height;
-                 p.reference_length = p.length_x = s.length;
-                 p.nose_x = -0.5 * s.length;
-                 p.half_extent = 0.5 * Vector3d(s.length, s.width, s.height);
-                 return p;
-               },
-               [](const Cone& s) {
-                 check(s);
-                 const double r = 0.5 * s.diameter, h = height_of_point(s.diameter, s.apex_angle);
-                 ShapeProperties p;
-                 p.area = pi * r * (r + std::hypot(r, h));
-                 p.volume = pi * r * r * h / 3.0;
-                 p.reference_area = pi * r * r;
-                 p.reference_length = s.diameter;
-                 p.length_x = h;
-                 p.nose_x = -0.75 * h;
-                 p.half_extent = Vector3d(0.5 * h, r, r);
-                 return p;
-               },
-               [](const Sphere& s) {
-                 check(s);
-                 const double r = 0.5 * s.diameter;
-                 ShapeProperties p;
-                 p.area = 4.0 * pi * r * r;
-                 p.volume = 4.0 / 3.0 * pi * r * r * r;
-                 p.reference_area = pi * r * r;
-                 p.reference_length = p.length_x = s.diameter;
-                 p.nose_x = -r;
-                 p.half_extent = Vector3d(r, r, r);
-                 return p;
-               },
-               [](const Cylinder& s) {
-                 check(s);
-                 const double r = 0.5 * s.diameter;
-                 ShapeProperties p;
-                 p.area = 2.0 * pi * r * (r + s.length);
-                 p.volume = pi * r * r * s.length;
-                 p.reference_area = pi * r * r;
-                 p.reference_length = s.diameter;
-                 p.length_x = s.length;
-                 p.nose_x = -0.5 * s.length;
-                 p.half_extent = Vector3d(0.5 * s.length, r, r);
-                 return p;
-               },
-               [](const Ellipsoid& s) {
-                 check(s);
-                 ShapeProperties p;
-                 p.area = ellipsoid_area(s);
-                 p.volume = 4.0 / 3.0 * pi * s.semi_x * s.semi_y * s.semi_z;
-                 p.reference_length = 2.0 * std::cbrt(s.semi_x * s.semi_y * s.semi_z);
-                 p.reference_area = 0.25 * pi * p.reference_length * p.reference_length;
-                 p.length_x = 2.0 * s.semi_x;
-                 p.nose_x = -s.semi_x;
-                 p.half_extent = Vector3d(s.semi_x, s.semi_y, s.semi_z);
-                 return p;
-               },
-               [](const Teardrop& s) {
-                 check(s);
-                 const TeardropParts t = parts(s);
-                 const double slant = std::sqrt(t.centre_to_tail * t.centre_to_tail - t.radius * t.radius);
-                 ShapeProperties p;
-                 p.area = 2.0 * pi * t.radius * t.x_joint + pi * t.r_joint * slant;
-                 p.volume = t.volume_sphere + t.volume_cone;
-                 p.reference_area = pi * t.radius * t.radius;
-                 p.reference_length = s.diameter;
-                 p.length_x = s.length;
-                 p.nose_x = -t.centroid;
-                 p.half_extent = Vector3d(0.5 * s.length, t.radius, t.radius);
-                 return p;
-               },
-               [](const Prism& s) {
-                 check(s);
-                 const double h = height_of_point(s.base, s.apex_angle);
-                 ShapeProperties p;
-                 p.area = s.base * h + s.span * (s.base + 2.0 * std::hypot(0.5 * s.base, h));
-                 p.volume = 0.5 * s.base * h * s.span;
-                 p.reference_area = s.base * s.span;
-                 p.reference_length = s.base;
-                 p.length_x = h;
-                 p.nose_x = -2.0 * h / 3.0;
-                 p.half_extent = 0.5 * Vector3d(h, s.span, s.base);
-                 return p;
-               }},
-      shape);
+  return std::visit(Overload{[](const Plate& s) {
+                               check(s);
+                               const bool sheet = s.thickness == 0.0;
+                               ShapeProperties p;
+                               p.area = sheet ? s.chord * s.span : 2.0 * (s.chord * s.span + s.thickness * (s.chord + s.span));
+                               p.volume = s.chord * s.span * s.thickness;
+                               p.reference_area = s.chord * s.span;
+                               p.reference_length = p.length_x = s.chord;
+                               p.nose_x = -0.5 * s.chord;
+                               p.half_extent = 0.5 * Vector3d(s.chord, s.span, s.thickness);
+                               return p;
+                             },
+                             [](const Box& s) {
+                               check(s);
+                               ShapeProperties p;
+                               p.area = 2.0 * (s.length * s.width + s.width * s.height + s.height * s.length);
+                               p.volume = s.length * s.width * s.height;
+                               p.reference_area = s.width * s.height;
+                               p.reference_length = p.length_x = s.length;
+                               p.nose_x = -0.5 * s.length;
+                               p.half_extent = 0.5 * Vector3d(s.length, s.width, s.height);
+                               return p;
+                             },
+                             [](const Cone& s) {
+                               check(s);
+                               const double r = 0.5 * s.diameter, h = height_of_point(s.diameter, s.apex_angle);
+                               ShapeProperties p;
+                               p.area = pi * r * (r + std::hypot(r, h));
+                               p.volume = pi * r * r * h / 3.0;
+                               p.reference_area = pi * r * r;
+                               p.reference_length = s.diameter;
+                               p.length_x = h;
+                               p.nose_x = -0.75 * h;
+                               p.half_extent = Vector3d(0.5 * h, r, r);
+                               return p;
+                             },
+                             [](const Sphere& s) {
+                               check(s);
+                               const double r = 0.5 * s.diameter;
+                               ShapeProperties p;
+                               p.area = 4.0 * pi * r * r;
+                               p.volume = 4.0 / 3.0 * pi * r * r * r;
+                               p.reference_area = pi * r * r;
+                               p.reference_length = p.length_x = s.diameter;
+                               p.nose_x = -r;
+                               p.half_extent = Vector3d(r, r, r);
+                               return p;
+                             },
+                             [](const Cylinder& s) {
+                               check(s);
+                               const double r = 0.5 * s.diameter;
+                               ShapeProperties p;
+                               p.area = 2.0 * pi * r * (r + s.length);
+                               p.volume = pi * r * r * s.length;
+                               p.reference_area = pi * r * r;
+                               p.reference_length = s.diameter;
+                               p.length_x = s.length;
+                               p.nose_x = -0.5 * s.length;
+                               p.half_extent = Vector3d(0.5 * s.length, r, r);
+                               return p;
+                             },
+                             [](const Ellipsoid& s) {
+                               check(s);
+                               ShapeProperties p;
+                               p.area = ellipsoid_area(s);
+                               p.volume = 4.0 / 3.0 * pi * s.semi_x * s.semi_y * s.semi_z;
+                               p.reference_length = 2.0 * std::cbrt(s.semi_x * s.semi_y * s.semi_z);
+                               p.reference_area = 0.25 * pi * p.reference_length * p.reference_length;
+                               p.length_x = 2.0 * s.semi_x;
+                               p.nose_x = -s.semi_x;
+                               p.half_extent = Vector3d(s.semi_x, s.semi_y, s.semi_z);
+                               return p;
+                             },
+                             [](const Teardrop& s) {
+                               check(s);
+                               const TeardropParts t = parts(s);
+                               const double slant = std::sqrt(t.centre_to_tail * t.centre_to_tail - t.radius * t.radius);
+                               ShapeProperties p;
+                               p.area = 2.0 * pi * t.radius * t.x_joint + pi * t.r_joint * slant;
+                               p.volume = t.volume_sphere + t.volume_cone;
+                               p.reference_area = pi * t.radius * t.radius;
+                               p.reference_length = s.diameter;
+                               p.length_x = s.length;
+                               p.nose_x = -t.centroid;
+                               p.half_extent = Vector3d(0.5 * s.length, t.radius, t.radius);
+                               return p;
+                             },
+                             [](const Prism& s) {
+                               check(s);
+                               const double h = height_of_point(s.base, s.apex_angle);
+                               ShapeProperties p;
+                               p.area = s.base * h + s.span * (s.base + 2.0 * std::hypot(0.5 * s.base, h));
+                               p.volume = 0.5 * s.base * h * s.span;
+                               p.reference_area = s.base * s.span;
+                               p.reference_length = s.base;
+                               p.length_x = h;
+                               p.nose_x = -2.0 * h / 3.0;
+                               p.half_extent = 0.5 * Vector3d(h, s.span, s.base);
+                               return p;
+                             }},
+                    shape);
 }
 
 TriangleMesh triangulate(const Shape& shape, int n) {
@@ -355,7 +358,8 @@ TriangleMesh triangulate(const Shape& shape, int n) {
   const ShapeProperties exact = properties(shape);
   return std::visit(
       Overload{[&](const Plate& s) {
-                 return s.thickness == 0.0 ? sheet_mesh(s.chord, s.span, n) : box_mesh(Vector3d(s.chord, s.span, s.thickness), Vector3i(n, n, 1));
+                 return s.thickness == 0.0 ? sheet_mesh(s.chord, s.span, n)
+                                           : box_mesh(Vector3d(s.chord, s.span, s.thickness), Vector3i(n, n, 1));
                },
                [&](const Box& s) { return box_mesh(Vector3d(s.length, s.width, s.height), Vector3i(n, n, n)); },
                [&](const Cone& s) {
@@ -398,7 +402,8 @@ bool mirror_symmetric(const Shape& shape, const Vector3d& normal_body) {
   const Vector3d m = normal_body / length;
   constexpr double tolerance = 1e-9;  // angles come from degrees in files: a few ulps of 180 deg
   const Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity() - 2.0 * m * m.transpose();
-  // A box is carried onto itself when the mirror permutes its axes and the sides along them are equal; an ellipsoid when its quadric is unchanged.
+  // A box is carried onto itself when the mirror permutes its axes and the sides along them are equal; an ellipsoid when its quadric is
+  // unchanged.
   const auto box_symmetric = [&](const Vector3d& size) {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
@@ -408,25 +413,31 @@ bool mirror_symmetric(const Shape& shape, const Vector3d& normal_body) {
       }
     return true;
   };
-  const auto round_symmetric = [&](bool fore_and_aft) { return std::abs(m.x()) < tolerance || (fore_and_aft && std::abs(m.x()) > 1.0 - tolerance); };
-  return std::visit(Overload{[&](const Plate& s) { return box_symmetric({s.chord, s.span, s.thickness}); },
-                             [&](const Box& s) { return box_symmetric({s.length, s.width, s.height}); },
-                             [&](const Cone&) { return round_symmetric(false); },
-                             [&](const Sphere&) { return true; },
-                             [&](const Cylinder&) { return round_symmetric(true); },
-                             [&](const Ellipsoid& s) {
-                               const Vector3d axes(s.semi_x, s.semi_y, s.semi_z);
-                               const Eigen::Matrix3d quadric = (axes / axes.minCoeff()).cwiseProduct(axes / axes.minCoeff()).cwiseInverse().asDiagonal();
-                               return (mirror * quadric * mirror - quadric).cwiseAbs().maxCoeff() < tolerance;
-                             },
-                             [&](const Teardrop&) { return round_symmetric(false); },
-                             [&](const Prism& s) {
-                               const auto along = [&](const Vector3d& axis) { return m.cross(axis).norm() < tolerance; };
-                               if (along(Vector3d::UnitY()) || along(Vector3d::UnitZ())) return true;
-                               const Vector3d other(std::cos(pi / 6), 0.0, 0.5);  // square to the other two medians of an equilateral triangle
-                               return std::abs(s.apex_angle - pi / 3) < tolerance && (along(other) || along(other.cwiseProduct(Vector3d(1, 1, -1))));
-                             }},
-                    shape);
+  const auto round_symmetric = [&](bool fore_and_aft) {
+    return std::abs(m.x()) < tolerance || (fore_and_aft && std::abs(m.x()) > 1.0 - tolerance);
+  };
+  return std::visit(
+      Overload{[&](const Plate& s) {
+                 return box_symmetric({s.chord, s.span, s.thickness});
+               },
+               [&](const Box& s) {
+                 return box_symmetric({s.length, s.width, s.height});
+               },
+               [&](const Cone&) { return round_symmetric(false); }, [&](const Sphere&) { return true; },
+               [&](const Cylinder&) { return round_symmetric(true); },
+               [&](const Ellipsoid& s) {
+                 const Vector3d axes(s.semi_x, s.semi_y, s.semi_z);
+                 const Eigen::Matrix3d quadric = (axes / axes.minCoeff()).cwiseProduct(axes / axes.minCoeff()).cwiseInverse().asDiagonal();
+                 return (mirror * quadric * mirror - quadric).cwiseAbs().maxCoeff() < tolerance;
+               },
+               [&](const Teardrop&) { return round_symmetric(false); },
+               [&](const Prism& s) {
+                 const auto along = [&](const Vector3d& axis) { return m.cross(axis).norm() < tolerance; };
+                 if (along(Vector3d::UnitY()) || along(Vector3d::UnitZ())) return true;
+                 const Vector3d other(std::cos(pi / 6), 0.0, 0.5);  // square to the other two medians of an equilateral triangle
+                 return std::abs(s.apex_angle - pi / 3) < tolerance && (along(other) || along(other.cwiseProduct(Vector3d(1, 1, -1))));
+               }},
+      shape);
 }
 
 namespace {
@@ -461,26 +472,41 @@ class ParameterReader {
 }  // namespace
 
 std::string kind(const Shape& shape) {
-  return std::visit(Overload{[](const Plate&) { return "plate"; }, [](const Box& s) { return is_cube(s) ? "cube" : "box"; }, [](const Cone&) { return "cone"; },
-                             [](const Sphere&) { return "sphere"; }, [](const Cylinder&) { return "cylinder"; },
-                             [](const Ellipsoid&) { return "ellipsoid"; }, [](const Teardrop&) { return "teardrop"; },
-                             [](const Prism&) { return "prism"; }},
+  return std::visit(Overload{[](const Plate&) { return "plate"; }, [](const Box& s) { return is_cube(s) ? "cube" : "box"; },
+                             [](const Cone&) { return "cone"; }, [](const Sphere&) { return "sphere"; },
+                             [](const Cylinder&) { return "cylinder"; }, [](const Ellipsoid&) { return "ellipsoid"; },
+                             [](const Teardrop&) { return "teardrop"; }, [](const Prism&) { return "prism"; }},
                     shape);
 }
 
 std::map<std::string, double> parameters(const Shape& shape) {
-  return std::visit(Overload{[](const Plate& s) { return Parameters{{"chord", s.chord}, {"span", s.span}, {"thickness", s.thickness}}; },
-                             [](const Box& s) {
-                               return is_cube(s) ? Parameters{{"side", s.length}}
-                                                 : Parameters{{"length", s.length}, {"width", s.width}, {"height", s.height}};
-                             },
-                             [](const Cone& s) { return Parameters{{"diameter", s.diameter}, {"apex_angle_deg", s.apex_angle * degrees}}; },
-                             [](const Sphere& s) { return Parameters{{"diameter", s.diameter}}; },
-                             [](const Cylinder& s) { return Parameters{{"diameter", s.diameter}, {"length", s.length}}; },
-                             [](const Ellipsoid& s) { return Parameters{{"semi_x", s.semi_x}, {"semi_y", s.semi_y}, {"semi_z", s.semi_z}}; },
-                             [](const Teardrop& s) { return Parameters{{"diameter", s.diameter}, {"length", s.length}}; },
-                             [](const Prism& s) { return Parameters{{"base", s.base}, {"span", s.span}, {"apex_angle_deg", s.apex_angle * degrees}}; }},
-                    shape);
+  return std::visit(
+      Overload{
+          [](const Plate& s) {
+            return Parameters{{"chord", s.chord}, {"span", s.span}, {"thickness", s.thickness}};
+          },
+          [](const Box& s) {
+            return is_cube(s) ? Parameters{{"side", s.length}} : Parameters{{"length", s.length}, {"width", s.width}, {"height", s.height}};
+          },
+          [](const Cone& s) {
+            return Parameters{{"diameter", s.diameter}, {"apex_angle_deg", s.apex_angle * degrees}};
+          },
+          [](const Sphere& s) {
+            return Parameters{{"diameter", s.diameter}};
+          },
+          [](const Cylinder& s) {
+            return Parameters{{"diameter", s.diameter}, {"length", s.length}};
+          },
+          [](const Ellipsoid& s) {
+            return Parameters{{"semi_x", s.semi_x}, {"semi_y", s.semi_y}, {"semi_z", s.semi_z}};
+          },
+          [](const Teardrop& s) {
+            return Parameters{{"diameter", s.diameter}, {"length", s.length}};
+          },
+          [](const Prism& s) {
+            return Parameters{{"base", s.base}, {"span", s.span}, {"apex_angle_deg", s.apex_angle * degrees}};
+          }},
+      shape);
 }
 
 Shape make_shape(std::string_view kind, const Parameters& given) {
@@ -511,9 +537,11 @@ Shape make_shape(std::string_view kind, const Parameters& given) {
     shape = Teardrop{.diameter = read("diameter", d.diameter), .length = read("length", d.length)};
   } else if (kind == "prism") {
     const Prism d;
-    shape = Prism{.base = read("base", d.base), .span = read("span", d.span), .apex_angle = read("apex_angle_deg", d.apex_angle * degrees) / degrees};
+    shape = Prism{
+        .base = read("base", d.base), .span = read("span", d.span), .apex_angle = read("apex_angle_deg", d.apex_angle * degrees) / degrees};
   } else {
-    throw std::invalid_argument("unknown shape '" + std::string(kind) + "'; known: plate, box, cube, cone, sphere, cylinder, ellipsoid, teardrop, prism");
+    throw std::invalid_argument("unknown shape '" + std::string(kind) +
+                                "'; known: plate, box, cube, cone, sphere, cylinder, ellipsoid, teardrop, prism");
   }
   read.finish();
   properties(shape);  // checks the ranges

@@ -1,10 +1,9 @@
-#include <dragcore/stepping.hpp>
-
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <dragcore/stepping.hpp>
 #include <stdexcept>
 #include <string>
 
@@ -22,7 +21,8 @@ Vector6d relative(const Motion& motion) { return generalised(motion.velocity - m
 /// What a step is given beside the mass properties. A NaN must not pass quietly into the state of a game.
 void check_step(double dt, bool finite) {
   if (!finite) throw std::invalid_argument("step: motion, resistance and external wrench must be finite");
-  if (!(dt >= 0.0) || !std::isfinite(dt)) throw std::invalid_argument("step: dt = " + std::to_string(dt) + " s, but it must be finite and not negative");
+  if (!(dt >= 0.0) || !std::isfinite(dt))
+    throw std::invalid_argument("step: dt = " + std::to_string(dt) + " s, but it must be finite and not negative");
 }
 
 /// And what it gives.
@@ -44,19 +44,22 @@ bool feels_spin(const Model& model) { return model.effects.has(Effect::spin) && 
 }  // namespace
 
 Matrix6d MassProperties::matrix() const {
-  if (!(mass > 0.0) || !std::isfinite(mass)) throw std::invalid_argument("body: mass = " + std::to_string(mass) + " kg, but it must be finite and greater than 0");
+  if (!(mass > 0.0) || !std::isfinite(mass))
+    throw std::invalid_argument("body: mass = " + std::to_string(mass) + " kg, but it must be finite and greater than 0");
   if (!inertia.allFinite() || !inertia.isApprox(inertia.transpose(), 1e-9) || inertia.llt().info() != Eigen::Success)
-    throw std::invalid_argument("body: inertia must be set, finite, symmetric and positive definite; a flat body has a positive moment about every axis");
+    throw std::invalid_argument(
+        "body: inertia must be set, finite, symmetric and positive definite; a flat body has a positive moment about every axis");
   if (const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
       moments[2] > (moments[0] + moments[1]) * (1 + 1e-6))
-    throw std::invalid_argument("body: inertia has principal moments " + std::to_string(moments[0]) + ", " + std::to_string(moments[1]) + ", " +
-                                std::to_string(moments[2]) + " kg m^2, but of no body is one larger than the sum of the others");
+    throw std::invalid_argument("body: inertia has principal moments " + std::to_string(moments[0]) + ", " + std::to_string(moments[1]) +
+                                ", " + std::to_string(moments[2]) + " kg m^2, but of no body is one larger than the sum of the others");
   Matrix6d m = Matrix6d::Zero();
   m.topLeftCorner<3, 3>() = mass * Eigen::Matrix3d::Identity();
   m.bottomRightCorner<3, 3>() = inertia;
   if (added.isZero(0.0)) return m;
   const double rounding = 1e-9 * added.cwiseAbs().maxCoeff();
-  if (!added.allFinite() || !added.isApprox(added.transpose(), 1e-9) || Eigen::SelfAdjointEigenSolver<Matrix6d>(added, Eigen::EigenvaluesOnly).eigenvalues()[0] < -rounding)
+  if (!added.allFinite() || !added.isApprox(added.transpose(), 1e-9) ||
+      Eigen::SelfAdjointEigenSolver<Matrix6d>(added, Eigen::EigenvaluesOnly).eigenvalues()[0] < -rounding)
     throw std::invalid_argument("body: added mass must be finite, symmetric and positive semidefinite, as added_mass() gives it");
   return m + added;
 }
@@ -81,28 +84,33 @@ Matrix6d resistance(const Surface& surface, const Motion& motion, const Medium& 
   const auto add = [&s](const LocalForce& local, const Eigen::Vector3d& direction, double factor) {
     s.selfadjointView<Eigen::Lower>().rankUpdate(generalised(direction, local.place.cross(direction)), factor);
   };
-  for_each_local_force(surface, motion, medium, model, [&](const LocalForce& local) {
-    balance.add(local);
-    if (local.coefficient.value < 0.0) {
-      given += generalised_force(local);
-      return;
-    }
-    taken += generalised_force(local);
-    const double factor = local.half_rho_area * local.speed * local.coefficient.value;
-    if (local.is_friction()) {  // factor * (tangential projector) * u
-      const Eigen::Vector3d tangent = local.normal.unitOrthogonal();
-      add(local, tangent, factor);
-      add(local, local.normal.cross(tangent), factor);
-    } else {  // pressure over normal velocity, times the dyad of the normal
-      add(local, local.normal, factor / local.c);
-    }
-  }, feels_spin(model));
+  for_each_local_force(
+      surface, motion, medium, model,
+      [&](const LocalForce& local) {
+        balance.add(local);
+        if (local.coefficient.value < 0.0) {
+          given += generalised_force(local);
+          return;
+        }
+        taken += generalised_force(local);
+        const double factor = local.half_rho_area * local.speed * local.coefficient.value;
+        if (local.is_friction()) {  // factor * (tangential projector) * u
+          const Eigen::Vector3d tangent = local.normal.unitOrthogonal();
+          add(local, tangent, factor);
+          add(local, local.normal.cross(tangent), factor);
+        } else {  // pressure over normal velocity, times the dyad of the normal
+          add(local, local.normal, factor / local.c);
+        }
+      },
+      feels_spin(model));
   s.triangularView<Eigen::StrictlyUpper>() = s.transpose();
   const ActiveEffects active(motion, model);
-  // In a wind that varies, power against the wind at the reference point may be anything, and S v is not the wrench anyway: wind_excess() has what pushes too.
+  // In a wind that varies, power against the wind at the reference point may be anything, and S v is not the wrench anyway: wind_excess()
+  // has what pushes too.
   if (balance.has_gain() && !active.has<Effect::wind_variation>()) {
-    // What pushes has no secant matrix of its own that is not negative. Broyden's update (BFGS) turns S into the nearest one that is positive and whose
-    // product with the relative velocity is the whole wrench: (total . velocity) is its power, which the energy balance keeps positive.
+    // What pushes has no secant matrix of its own that is not negative. Broyden's update (BFGS) turns S into the nearest one that is
+    // positive and whose product with the relative velocity is the whole wrench: (total . velocity) is its power, which the energy balance
+    // keeps positive.
     Vector6d velocity = -relative(motion);
     if (!active.has<Effect::spin>()) velocity.tail<3>().setZero();  // not felt
     const Vector6d total = taken + balance.gain_share() * given;
@@ -130,33 +138,37 @@ Matrix6d force_jacobian(const Surface& surface, const Motion& motion, const Medi
   check_input(surface, motion, medium, model);
   Matrix6d taken = Matrix6d::Zero(), given = taken;
   EnergyBalance balance;
-  for_each_local_force(surface, motion, medium, model, [&](const LocalForce& local) {
-    balance.add(local);
-    const double value = local.coefficient.value, rate = local.coefficient.slope, c = local.c;
-    Eigen::Matrix3d by_velocity;  // d force / d u
-    if (local.is_friction()) {
-      const Eigen::Matrix3d projector = Eigen::Matrix3d::Identity() - local.normal * local.normal.transpose();
-      by_velocity = local.half_rho_area * value * (local.speed * projector + projector * local.u * local.u.transpose() / local.speed);
-    } else {
-      // Size g = |u|^2 C(c), c = |u.n|/|u|: dg/du = (2 C - c C') u + |u| C' e, with e the unit vector along which |u.n| grows.
-      const Eigen::Vector3d e = local.downstream();
-      by_velocity = local.half_rho_area * e * ((2.0 * value - c * rate) * local.u + local.speed * rate * e).transpose();
-    }
-    // du = -dV - domega x r = -dV + r x domega, and the torque is r x force.
-    const Eigen::Matrix3d arm = cross_matrix(local.place);
-    Matrix6d& sum = value < 0.0 ? given : taken;
-    sum.topLeftCorner<3, 3>() -= by_velocity;
-    sum.topRightCorner<3, 3>() += by_velocity * arm;
-    sum.bottomLeftCorner<3, 3>() -= arm * by_velocity;
-    sum.bottomRightCorner<3, 3>() += arm * by_velocity * arm;
-  }, feels_spin(model));
+  for_each_local_force(
+      surface, motion, medium, model,
+      [&](const LocalForce& local) {
+        balance.add(local);
+        const double value = local.coefficient.value, rate = local.coefficient.slope, c = local.c;
+        Eigen::Matrix3d by_velocity;  // d force / d u
+        if (local.is_friction()) {
+          const Eigen::Matrix3d projector = Eigen::Matrix3d::Identity() - local.normal * local.normal.transpose();
+          by_velocity = local.half_rho_area * value * (local.speed * projector + projector * local.u * local.u.transpose() / local.speed);
+        } else {
+          // Size g = |u|^2 C(c), c = |u.n|/|u|: dg/du = (2 C - c C') u + |u| C' e, with e the unit vector along which |u.n| grows.
+          const Eigen::Vector3d e = local.downstream();
+          by_velocity = local.half_rho_area * e * ((2.0 * value - c * rate) * local.u + local.speed * rate * e).transpose();
+        }
+        // du = -dV - domega x r = -dV + r x domega, and the torque is r x force.
+        const Eigen::Matrix3d arm = cross_matrix(local.place);
+        Matrix6d& sum = value < 0.0 ? given : taken;
+        sum.topLeftCorner<3, 3>() -= by_velocity;
+        sum.topRightCorner<3, 3>() += by_velocity * arm;
+        sum.bottomLeftCorner<3, 3>() -= arm * by_velocity;
+        sum.bottomRightCorner<3, 3>() += arm * by_velocity * arm;
+      },
+      feels_spin(model));
   if (balance.has_gain()) taken += balance.gain_share() * given;
   if (!feels_spin(model)) taken.rightCols<3>().setZero();
   check_result(taken.allFinite(), model);
   return taken;
 }
 
-Vector6d step_secant_implicit(const Matrix6d& resistance, const MassProperties& body, const Motion& motion, const Vector6d& external, double dt) {
+Vector6d step_secant_implicit(const Matrix6d& resistance, const MassProperties& body, const Motion& motion, const Vector6d& external,
+                              double dt) {
   check_step(dt, resistance.allFinite() && relative(motion).allFinite() && external.allFinite());
   const Matrix6d mass = body.matrix();
   // In velocities relative to the air, so that the wind's own speed costs no digits.
@@ -165,9 +177,10 @@ Vector6d step_secant_implicit(const Matrix6d& resistance, const MassProperties& 
   if (dt * factored.solve(resistance).trace() < 1e4) {
     moved = (mass + dt * resistance).ldlt().solve(mass * relative(motion) + dt * external);
   } else {
-    // So stiff that rounding errors of the drag outweigh the mass, and the solve above may gain energy where there is little drag. Along the axes of the
-    // drag, in units of the root of the mass, every component shrinks or stays.
-    const Matrix6d root = factored.matrixL(), left = factored.matrixL().solve(resistance), drag = factored.matrixL().solve(left.transpose());
+    // So stiff that rounding errors of the drag outweigh the mass, and the solve above may gain energy where there is little drag. Along
+    // the axes of the drag, in units of the root of the mass, every component shrinks or stays.
+    const Matrix6d root = factored.matrixL(), left = factored.matrixL().solve(resistance),
+                   drag = factored.matrixL().solve(left.transpose());
     const Eigen::SelfAdjointEigenSolver<Matrix6d> axes(drag);
     const Vector6d shrink = (1.0 + dt * axes.eigenvalues().cwiseMax(0.0).array()).inverse();
     const Vector6d pushed = root.transpose() * relative(motion) + dt * factored.matrixL().solve(external);
@@ -176,7 +189,8 @@ Vector6d step_secant_implicit(const Matrix6d& resistance, const MassProperties& 
   return finite(moved + generalised(motion.wind, Eigen::Vector3d::Zero()));
 }
 
-Vector6d step_scalar_implicit(const Matrix6d& resistance, const MassProperties& body, const Motion& motion, const Vector6d& external, double dt) {
+Vector6d step_scalar_implicit(const Matrix6d& resistance, const MassProperties& body, const Motion& motion, const Vector6d& external,
+                              double dt) {
   check_step(dt, resistance.allFinite() && relative(motion).allFinite() && external.allFinite());
   const auto factored = body.matrix().llt();
   const double trace = factored.solve(resistance).trace();

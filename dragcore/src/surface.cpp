@@ -1,9 +1,8 @@
-#include <dragcore/surface.hpp>
-
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <dragcore/surface.hpp>
 #include <map>
 #include <numbers>
 #include <stdexcept>
@@ -17,11 +16,12 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-// Neighbours belong to one patch when their normals agree to 1e-3 rad with the patch's first triangle: single-precision files jitter by 1e-6,
-// while the facets of a round body of 100,000 triangles still differ by 1e-2.
+// Neighbours belong to one patch when their normals agree to 1e-3 rad with the patch's first triangle: single-precision files jitter by
+// 1e-6, while the facets of a round body of 100,000 triangles still differ by 1e-2.
 constexpr double coplanar_angle = 1e-3;
 
-// Facets that stand for a curved surface meet at small angles; a prism of eight sides still counts as round, one of six (60 degrees) as sharp.
+// Facets that stand for a curved surface meet at small angles; a prism of eight sides still counts as round, one of six (60 degrees) as
+// sharp.
 constexpr double sharp_angle = 50.0 * std::numbers::pi / 180.0;
 
 using Segment = std::pair<Vector3d, Vector3d>;
@@ -54,8 +54,8 @@ std::vector<Segment> straightened(const std::vector<std::pair<int, int>>& bounda
   return outline;
 }
 
-/// Class of a body by thickness and by how much of its turning is done by sharp edges: both are free of scale and, once a round body has eight
-/// facets around, of the triangulation.
+/// Class of a body by thickness and by how much of its turning is done by sharp edges: both are free of scale and, once a round body has
+/// eight facets around, of the triangulation.
 BodyClass classify(const Surface& surface, double sharp_turning, double smooth_turning) {
   if (!(surface.volume > 0.0) || surface.size() == 0) return BodyClass::sheet;
   Matrix3d moment = Matrix3d::Zero();
@@ -67,7 +67,8 @@ BodyClass classify(const Surface& surface, double sharp_turning, double smooth_t
   Vector3d lowest = Vector3d::Zero(), highest = Vector3d::Zero();
   for (Eigen::Index i = 0; i < surface.size(); ++i) {
     const Vector3d a = (surface.centroid.row(i) - (surface.edge_ab.row(i) + surface.edge_ac.row(i)) / 3.0).matrix();
-    for (const Vector3d& corner : {a, Vector3d(a + surface.edge_ab.row(i).matrix().transpose()), Vector3d(a + surface.edge_ac.row(i).matrix().transpose())}) {
+    for (const Vector3d& corner :
+         {a, Vector3d(a + surface.edge_ab.row(i).matrix().transpose()), Vector3d(a + surface.edge_ac.row(i).matrix().transpose())}) {
       const Vector3d place = axes.transpose() * (corner - surface.centre);
       lowest = lowest.cwiseMin(place);
       highest = highest.cwiseMax(place);
@@ -75,14 +76,17 @@ BodyClass classify(const Surface& surface, double sharp_turning, double smooth_t
   }
   Vector3d extent = highest - lowest;
   std::sort(extent.begin(), extent.end());
-  // Mean thickness 2 V/A: a twentieth of the chord for the plates and discs that the sheet law was fitted to, a quarter of the width for a box of half depth.
+  // Mean thickness 2 V/A: a twentieth of the chord for the plates and discs that the sheet law was fitted to, a quarter of the width for a
+  // box of half depth.
   if (2.0 * surface.volume / surface.total_area < 0.12 * extent[1]) return BodyClass::sheet;
   // Sharp edges do 0.55 of the turning of a cone of 60 degrees, 0.44 of a cylinder twice as long as wide, none of a ball's.
   return sharp_turning < 0.25 * (sharp_turning + smooth_turning) ? BodyClass::smooth : BodyClass::sharp;
 }
 
 /// Whether a triangle's winding runs along an edge in this direction.
-bool runs(const Vector3i& t, int from, int to) { return (t[0] == from && t[1] == to) || (t[1] == from && t[2] == to) || (t[2] == from && t[0] == to); }
+bool runs(const Vector3i& t, int from, int to) {
+  return (t[0] == from && t[1] == to) || (t[1] == from && t[2] == to) || (t[2] == from && t[0] == to);
+}
 
 }  // namespace
 
@@ -94,7 +98,8 @@ Surface::Surface(const TriangleMesh& mesh, Sides asked) : sides(asked) {
     throw std::invalid_argument("surface: the mesh is inside out (volume " + std::to_string(found.volume) +
                                 " m^3, normals must point into the air); reverse the winding of its triangles");
   if (sides == Sides::one && !found.consistently_wound)
-    throw std::invalid_argument("surface: neighbouring triangles are wound in opposite directions at " + std::to_string(found.inconsistent_edges) +
+    throw std::invalid_argument("surface: neighbouring triangles are wound in opposite directions at " +
+                                std::to_string(found.inconsistent_edges) +
                                 " edges, so that outside is not defined; repair the winding, or treat the mesh as a two-sided sheet");
 
   const TriangleMesh joined = welded(mesh);
@@ -118,7 +123,8 @@ Surface::Surface(const TriangleMesh& mesh, Sides asked) : sides(asked) {
     for (int k = 0; k < 3; ++k) neighbours[std::minmax(t[k], t[(k + 1) % 3])].push_back(static_cast<int>(i));
   }
 
-  // Flood each patch from its first triangle. A sheet has no outside: its triangles may be wound either way, `turn` is -1 where it is against the first's.
+  // Flood each patch from its first triangle. A sheet has no outside: its triangles may be wound either way, `turn` is -1 where it is
+  // against the first's.
   patch.assign(count, -1);
   std::vector<int> turn(count, 1);
   for (Eigen::Index first = 0; first < count; ++first) {
@@ -160,7 +166,8 @@ Surface::Surface(const TriangleMesh& mesh, Sides asked) : sides(asked) {
     p.centroid = moment / p.area;
     for (const int i : members) {
       // Second moment of a triangle about the patch's centroid: three midpoints of edges are exact to degree 2.
-      const Vector3d a = (centroid.row(i) - (edge_ab.row(i) + edge_ac.row(i)) / 3.0).matrix(), ab = edge_ab.row(i).matrix(), ac = edge_ac.row(i).matrix();
+      const Vector3d a = (centroid.row(i) - (edge_ab.row(i) + edge_ac.row(i)) / 3.0).matrix(), ab = edge_ab.row(i).matrix(),
+                     ac = edge_ac.row(i).matrix();
       for (const Vector3d& midpoint : {Vector3d(a + 0.5 * ab), Vector3d(a + 0.5 * ac), Vector3d(a + 0.5 * (ab + ac))})
         p.second_moment += area[i] / (3.0 * p.area) * (midpoint - p.centroid) * (midpoint - p.centroid).transpose();
     }
@@ -170,7 +177,8 @@ Surface::Surface(const TriangleMesh& mesh, Sides asked) : sides(asked) {
     patches.push_back(std::move(p));
   }
 
-  // Curvature from dihedral angles: an edge of length l that turns the normal by theta gives each of its triangles half of theta l, across the edge.
+  // Curvature from dihedral angles: an edge of length l that turns the normal by theta gives each of its triangles half of theta l, across
+  // the edge.
   curvature.setZero(count, 6);
   double sharp_turning = 0.0, smooth_turning = 0.0;
   for (Eigen::Index i = 0; i < count; ++i) {

@@ -1,7 +1,6 @@
-#include <dragcore/turbulence.hpp>
-
 #include <Eigen/Geometry>
 #include <cmath>
+#include <dragcore/turbulence.hpp>
 #include <numbers>
 #include <random>
 
@@ -46,7 +45,9 @@ Dryden low_altitude_dryden(double height, double wind_speed_at_20ft) {
           "it must be finite and not negative");
   const double base = 0.177 + 0.000823 * height / foot, horizontal_length = height / std::pow(base, 1.2);
   const double sigma_w = 0.1 * wind_speed_at_20ft, sigma_u = sigma_w / std::pow(base, 0.4);
-  return {.intensity = {sigma_u, sigma_u, sigma_w}, .length = {horizontal_length, horizontal_length, height}, .mean_wind = {wind_speed_at_20ft, 0.0, 0.0}};
+  return {.intensity = {sigma_u, sigma_u, sigma_w},
+          .length = {horizontal_length, horizontal_length, height},
+          .mean_wind = {wind_speed_at_20ft, 0.0, 0.0}};
 }
 
 Turbulence::Turbulence(const Dryden& parameters) : parameters_(parameters) {

@@ -1,8 +1,7 @@
-#include <dragcore/wind.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <dragcore/turbulence.hpp>
+#include <dragcore/wind.hpp>
 #include <numbers>
 
 #include "require.hpp"

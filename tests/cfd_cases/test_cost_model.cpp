@@ -69,7 +69,8 @@ TEST_CASE("predicted cells are those of the stored meshes", "[cfd_cases][cost]")
     if (refused) {
       CHECK(ratio == Approx(1.1).margin(0.12));
     } else {
-      // The model was made on half bodies; in whole ones, most of them in a ball of air, up to an eighth more cells are needed than the sizes ask for.
+      // The model was made on half bodies; in whole ones, most of them in a ball of air, up to an eighth more cells are needed than the
+      // sizes ask for.
       CHECK(ratio == Approx(1.0).margin(record.half_model ? 0.08 : 0.14));
       ++meshed_at_once;
     }

@@ -30,9 +30,10 @@ TEST_CASE("the distance to a body is that of geometry", "[cfd_cases][mesh][analy
 }
 
 TEST_CASE("the distance vanishes on and in the body", "[cfd_cases][mesh][limit]") {
-  const dragcore::Shape shapes[] = {dragcore::Plate{},   dragcore::Box{},      dragcore::Cone{},
-                                    dragcore::Sphere{},  dragcore::Cylinder{}, dragcore::Ellipsoid{1.0, 0.5, 0.3},
-                                    dragcore::Teardrop{},  dragcore::Prism{.span = 0.6}};
+  const dragcore::Shape shapes[] = {dragcore::Plate{},    dragcore::Box{},
+                                    dragcore::Cone{},     dragcore::Sphere{},
+                                    dragcore::Cylinder{}, dragcore::Ellipsoid{1.0, 0.5, 0.3},
+                                    dragcore::Teardrop{}, dragcore::Prism{.span = 0.6}};
   for (const auto& shape : shapes) {
     CAPTURE(dragcore::kind(shape));
     CHECK(distance_to_body(shape, Vector3d::Zero()) == 0.0);

@@ -101,8 +101,8 @@ inline std::vector<CaseRecord> quick_tier() {
 }
 
 /// A body that spins in still air, with this coefficient of torque about its axis, a quarter of it by friction.
-inline CaseRecord spinning(const std::string& stem, const dragcore::Shape& shape, const Eigen::Vector3d& omega_wind, double torque_coefficient,
-                           double reynolds, const std::string& level = "medium", int cells = 12000) {
+inline CaseRecord spinning(const std::string& stem, const dragcore::Shape& shape, const Eigen::Vector3d& omega_wind,
+                           double torque_coefficient, double reynolds, const std::string& level = "medium", int cells = 12000) {
   CaseRecord r = record(stem, shape, {}, level, cells);
   r.still_air = true;
   r.angular_velocity = omega_wind;

@@ -156,7 +156,8 @@ TEST_CASE("the laws by class are found again from references that they made", "[
   CHECK(found.fits[0].model.law == sheet);  // to the three decimals that laws are kept with
   CHECK_THAT(found.fits[1].model.law.base_suction, WithinAbs(0.5, 2e-3));
   CHECK_THAT(found.fits[1].model.law.windward[2], WithinAbs(1.4, 4e-3));
-  CHECK_THAT(found.fits[1].model.law.recovery_depth, WithinAbs(0.9, 5e-3));  // spheres: 12 divisions in the fit against 32 in the references
+  CHECK_THAT(found.fits[1].model.law.recovery_depth,
+             WithinAbs(0.9, 5e-3));  // spheres: 12 divisions in the fit against 32 in the references
   CHECK_THAT(found.fits[1].model.law.shelter, WithinAbs(1.1, 5e-3));
   CHECK(found.fits[0].errors[0].in_sample < 1e-6);
   CHECK(found.fits[0].errors[0].left_out_pose < 1e-6);

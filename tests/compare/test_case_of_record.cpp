@@ -15,7 +15,8 @@ constexpr double u_run = 0.005;  // of each force channel of a sample
 
 /// A plate at 30 degrees, solved by one method: C_N square to it, without any uncertainty but of the run.
 sample::CaseRecord plate(const std::string& flow, double normal_force, const std::string& variant = "") {
-  auto record = sample::record("plate_incidence-030_re-1e5" + std::string(flow == "k_omega_sst" ? "" : "-ddes_octree"), dragcore::Plate{}, {.incidence = 30 * sample::deg});
+  auto record = sample::record("plate_incidence-030_re-1e5" + std::string(flow == "k_omega_sst" ? "" : "-ddes_octree"), dragcore::Plate{},
+                               {.incidence = 30 * sample::deg});
   if (!variant.empty()) record.name += "_" + variant;
   record.flow_model = flow;
   const double scale = compare::coefficient_scales(record)[0];
@@ -33,7 +34,8 @@ double u_force(const compare::CaseFamily& family, const compare::LoadUncertainty
 
 }  // namespace
 
-TEST_CASE("of several methods the one whose force is known best is the case of record, its method's part included", "[compare][record][analytic]") {
+TEST_CASE("of several methods the one whose force is known best is the case of record, its method's part included",
+          "[compare][record][analytic]") {
   const std::vector records = {plate("k_omega_sst", 0.8), plate("k_omega_sst_ddes", 1.1, "up")};
   const auto cases = compare::cases_of_record(records);
   REQUIRE(cases.size() == 1);
@@ -56,7 +58,8 @@ TEST_CASE("a failed solution never stands for a pose that another solved", "[com
   CHECK_THAT(cases[0].note, Contains("diverged"));
 }
 
-TEST_CASE("two branches of a flow are both told, and half their difference is the least that the method leaves open", "[compare][record][limit]") {
+TEST_CASE("two branches of a flow are both told, and half their difference is the least that the method leaves open",
+          "[compare][record][limit]") {
   // On a branch u of the run is sqrt(3) 0.005, so 2u of the difference is 0.0245.
   const std::vector near = {plate("k_omega_sst_ddes", 1.10, "up"), plate("k_omega_sst_ddes", 1.08, "down")};
   const auto close = compare::cases_of_record(near);
@@ -110,7 +113,8 @@ TEST_CASE("laminar and turbulent flow, and bodies of other measures, are other q
   CHECK(compare::cases_of_record({plate("k_omega_sst", 0.8), laminar, wide}).size() == 3);
 }
 
-TEST_CASE("the method leaves nothing open in laminar flow, most on smooth bodies and little where edges fix the separation", "[compare][record][limit]") {
+TEST_CASE("the method leaves nothing open in laminar flow, most on smooth bodies and little where edges fix the separation",
+          "[compare][record][limit]") {
   const auto relative = [](const dragcore::Shape& shape, const dragcore::Pose& pose, const std::string& flow) {
     auto record = sample::record("body", shape, pose);
     record.flow_model = flow;
@@ -126,7 +130,8 @@ TEST_CASE("the method leaves nothing open in laminar flow, most on smooth bodies
   // -10 to +45 %, nothing known between: the root mean square of a uniform distribution about the value itself.
   const double a = 0.10, b = 0.45;
   for (const double incidence : {15.0, 30.0, 45.0})
-    CHECK(relative(dragcore::Plate{}, {.incidence = incidence * sample::deg}, "k_omega_sst") == Approx(std::sqrt((a * a - a * b + b * b) / 3.0)).margin(0.005));
+    CHECK(relative(dragcore::Plate{}, {.incidence = incidence * sample::deg}, "k_omega_sst") ==
+          Approx(std::sqrt((a * a - a * b + b * b) / 3.0)).margin(0.005));
   // A disc's own axis is square to it: 60 degrees of axis are 30 degrees of disc.
   CHECK(relative(dragcore::Cylinder{.diameter = 1.0, .length = 0.05}, {.incidence = 60 * sample::deg}, "k_omega_sst") == 0.24);
   CHECK(relative(dragcore::Cylinder{.diameter = 1.0, .length = 0.05}, {}, "k_omega_sst") == 0.04);

@@ -54,7 +54,8 @@ TEST_CASE("a cone's centre of pressure counts from its point", "[compare][analyt
 
 TEST_CASE("there is no centre of pressure where the force runs along the chord or the pose has no plane of symmetry", "[compare][limit]") {
   const auto along = sample::record("plate", dragcore::Plate{}, {.incidence = 0.01});
-  CHECK_FALSE(coefficients_of(along, Vector3d(1.0, 0.0, 0.03), Vector3d::Zero()).centre_of_pressure);  // 5 % is the limit, and the pose adds 1 %
+  CHECK_FALSE(
+      coefficients_of(along, Vector3d(1.0, 0.0, 0.03), Vector3d::Zero()).centre_of_pressure);  // 5 % is the limit, and the pose adds 1 %
   CHECK(coefficients_of(along, Vector3d(1.0, 0.0, 0.07), Vector3d::Zero()).centre_of_pressure);
   const auto skew = sample::record("box", dragcore::Box{}, {.incidence = 0.3, .yaw = 0.2});
   CHECK_FALSE(coefficients_of(skew, Vector3d::UnitZ(), Vector3d::Zero()).centre_of_pressure);

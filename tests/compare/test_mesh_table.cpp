@@ -38,13 +38,15 @@ TEST_CASE("what the mesh leaves open is counted by body and flow, by how it was 
     CHECK_THAT(compare::render(rows, format), Contains("cube_b"));
 }
 
-TEST_CASE("a force that symmetry forbids is held against what else is open; spins and variants are not counted", "[compare][truth][limit]") {
+TEST_CASE("a force that symmetry forbids is held against what else is open; spins and variants are not counted",
+          "[compare][truth][limit]") {
   auto medium = cube("cube_a_re-1e5", 1.00, "medium", 8000);
   medium.u_iteration.setZero(), medium.u_statistical.setZero();
   medium.u_null[2] = 0.02;  // twice what the mesh leaves open of the drag, 0.5 * 0.02
   auto variant = cube("cube_a_re-1e5", 1.5, "medium", 8000);
   variant.name += "_upwind";
-  const auto rows = compare::mesh_rows({medium, cube("cube_a_re-1e5", 1.02, "coarse", 1000), variant, sample::spinning("cube_spin-z_re-1e2", dragcore::Box{}, {0, 0, 2}, -0.1, 100)});
+  const auto rows = compare::mesh_rows({medium, cube("cube_a_re-1e5", 1.02, "coarse", 1000), variant,
+                                        sample::spinning("cube_spin-z_re-1e2", dragcore::Box{}, {0, 0, 2}, -0.1, 100)});
   REQUIRE(rows.size() == 1);
   CHECK(rows[0].poses == 1);
   CHECK(rows[0].null == Approx(2.0).epsilon(1e-10));
@@ -53,10 +55,12 @@ TEST_CASE("a force that symmetry forbids is held against what else is open; spin
 TEST_CASE("a finest mesh is held against what the meshes before it said", "[compare][truth][analytic]") {
   // Sizes 4 : 2 : 1 (: 1/2). Two meshes of second order with difference d leave 2u = 3 d / 3 = d for what comes.
   const std::vector<sample::CaseRecord> records{
-      cube("cube_a_re-1e5", 1.160, "coarse", 1000),  cube("cube_a_re-1e5", 1.040, "medium", 8000),    cube("cube_a_re-1e5", 1.010, "fine", 64000),
-      cube("cube_b_re-1e5", 1.160, "coarse", 1000),  cube("cube_b_re-1e5", 1.040, "medium", 8000),    cube("cube_b_re-1e5", 1.280, "fine", 64000),
-      cube("cube_c_re-1e5", 1.320, "coarse", 1000),  cube("cube_c_re-1e5", 1.080, "medium", 8000),    cube("cube_c_re-1e5", 1.020, "fine", 64000),
-      cube("cube_c_re-1e5", 1.005, "finest", 512000), cube("cube_d_re-1e5", 1.160, "coarse", 1000),    cube("cube_d_re-1e5", 1.040, "medium", 8000)};
+      cube("cube_a_re-1e5", 1.160, "coarse", 1000), cube("cube_a_re-1e5", 1.040, "medium", 8000),
+      cube("cube_a_re-1e5", 1.010, "fine", 64000),  cube("cube_b_re-1e5", 1.160, "coarse", 1000),
+      cube("cube_b_re-1e5", 1.040, "medium", 8000), cube("cube_b_re-1e5", 1.280, "fine", 64000),
+      cube("cube_c_re-1e5", 1.320, "coarse", 1000), cube("cube_c_re-1e5", 1.080, "medium", 8000),
+      cube("cube_c_re-1e5", 1.020, "fine", 64000),  cube("cube_c_re-1e5", 1.005, "finest", 512000),
+      cube("cube_d_re-1e5", 1.160, "coarse", 1000), cube("cube_d_re-1e5", 1.040, "medium", 8000)};
   const auto rows = compare::held_back_rows(records);
   REQUIRE(rows.size() == 2);
   CHECK(rows[0].rule == "three or more, factor 1.25");  // c: second order exactly, error 0.02 on the third, 2u = 1.25 times that

@@ -52,7 +52,8 @@ TEST_CASE("the pillow effect moves the centre of pressure of a plate towards its
   const auto record =
       sample::record("sheet", dragcore::Plate{.chord = 1.0, .span = 1.0, .thickness = 0.0}, {.incidence = 30 * sample::deg});
   const auto wrench =
-      compare::predict(record, dragcore::Model{dragcore::note_law(), {dragcore::PillowForm::tilt, 0.78}, dragcore::Quadrature::three}).total();
+      compare::predict(record, dragcore::Model{dragcore::note_law(), {dragcore::PillowForm::tilt, 0.78}, dragcore::Quadrature::three})
+          .total();
   const auto c = compare::coefficients(record, wrench.force, wrench.torque);
   CHECK(c.centre_of_pressure.value() < 0.45);
   CHECK(*c[compare::Channel::pitch] > 0.0);  // nose up

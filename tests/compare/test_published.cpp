@@ -2,8 +2,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "compare/note_table.hpp"
 #include "compare/method_uncertainty.hpp"
+#include "compare/note_table.hpp"
 #include "compare/published.hpp"
 #include "compare/truth_table.hpp"
 #include "tests/compare/sample_records.hpp"
@@ -59,7 +59,8 @@ TEST_CASE("a check of the CFD says by how much it misses and whether that is wit
   CHECK(compare::published_checks({record}).empty());
 }
 
-TEST_CASE("CFD and publication agree within twice their joint uncertainty, and a goal may be missed all the same", "[compare][truth][limit]") {
+TEST_CASE("CFD and publication agree within twice their joint uncertainty, and a goal may be missed all the same",
+          "[compare][truth][limit]") {
   auto record = sphere(100);
   record.flow_model = "laminar";
   record.u_iteration.setZero();
@@ -152,7 +153,8 @@ TEST_CASE("what is stated about a method has a reason and a source in the biblio
     INFO(entry.reason << " / " << entry.evidence);
     CHECK_FALSE(entry.reason.empty());
     // A judgement must say so: nobody can look it up.
-    CHECK((entry.evidence.starts_with("dragval ") || entry.evidence == "judgement" || bibliography.str().find("{" + entry.evidence + ",") != std::string::npos));
+    CHECK((entry.evidence.starts_with("dragval ") || entry.evidence == "judgement" ||
+           bibliography.str().find("{" + entry.evidence + ",") != std::string::npos));
     CHECK(entry.relative >= 0.0);
     CHECK(entry.relative < 1.0);
   }

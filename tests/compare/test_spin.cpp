@@ -29,7 +29,8 @@ TEST_CASE("the model is asked about the spin in the body's frame and without win
     record.pose = pose;
     const auto wrench = compare::predict(record, {}).total();
     CHECK(wrench.force.norm() < 1e-12 * wrench.torque.norm());  // no wind: a spin about the centroid of a symmetric body has no force
-    CHECK(wrench.torque.normalized().dot(record.angular_velocity.normalized()) == Approx(-1.0).epsilon(1e-8));  // the air brakes; diagonals of the triangles leave 1e-5 across the axis
+    CHECK(wrench.torque.normalized().dot(record.angular_velocity.normalized()) ==
+          Approx(-1.0).epsilon(1e-8));  // the air brakes; diagonals of the triangles leave 1e-5 across the axis
     return wrench.torque.norm();
   };
   CHECK(torque({.incidence = 0.5, .yaw = 0.3, .roll = 0.2}) == Approx(torque({})).epsilon(1e-12));
@@ -50,7 +51,9 @@ TEST_CASE("a row of the spin table has the torque about the axis, its shares, an
   const double scale = compare::coefficient_scales(record)[3];
   record.load.moment_pressure += 0.05 * scale * Vector3d(1.0, -1.0, 0.0);  // across the axis: not part of it
   record.u_iteration << 0.0, 0.0, 0.0, 0.003 * scale, 0.004 * scale, 0.0;
-  const auto rows = compare::spin_table({record}, [&](const sample::CaseRecord&) { return dragcore::Wrench{Vector3d::Zero(), -0.08 * scale * axis}; });
+  const auto rows = compare::spin_table({record}, [&](const sample::CaseRecord&) {
+    return dragcore::Wrench{Vector3d::Zero(), -0.08 * scale * axis};
+  });
   REQUIRE(rows.size() == 1);
   CHECK(rows[0].axis == "xy");
   CHECK(rows[0].cfd.value() == Approx(-0.1).epsilon(1e-12));
@@ -67,7 +70,8 @@ TEST_CASE("the spin table has all formats, and a failed case keeps its row", "[c
   auto failed = sample::spinning("cone_spin-x_re-1e5", dragcore::Cone{}, {1.0, 0.0, 0.0}, -0.01, 1e5);
   failed.status = case_record::Status::diverged;
   failed.reason = "torque without bound";
-  const auto rows = compare::spin_table({sample::spinning("cube_spin-z", dragcore::Box{}, {0.0, 0.0, 2.0}, -0.1, 100), failed}, compare::predictor({}));
+  const auto rows =
+      compare::spin_table({sample::spinning("cube_spin-z", dragcore::Box{}, {0.0, 0.0, 2.0}, -0.1, 100), failed}, compare::predictor({}));
   REQUIRE(rows.size() == 2);
   for (const auto format : {compare::Format::table, compare::Format::markdown, compare::Format::csv, compare::Format::json}) {
     const std::string text = compare::render(rows, "note", format);
@@ -82,8 +86,10 @@ TEST_CASE("a sphere in creeping flow and a free disc have their exact torques", 
   const double pi = std::numbers::pi, a = 0.5, omega = 2.0, nu = omega / 4.0, q_area = 0.5 * std::pow(omega * 1.0, 2) * pi / 4.0;
   const double stokes = 8.0 * pi * nu * std::pow(a, 3) * omega / q_area;
   const double re_a = omega * a * a / nu;
-  CHECK(compare::published_value(sphere, "C_spin")->value == Approx(-stokes * (1.0 + re_a * re_a / 1200.0)).epsilon(1e-6));  // digits of the file
-  const auto disc = sample::spinning("cylinder_spin-x_re-4e4-laminar", dragcore::Cylinder{.diameter = 1.0, .length = 0.05}, {2.0, 0.0, 0.0}, -0.0016, 4e4);
+  CHECK(compare::published_value(sphere, "C_spin")->value ==
+        Approx(-stokes * (1.0 + re_a * re_a / 1200.0)).epsilon(1e-6));  // digits of the file
+  const auto disc = sample::spinning("cylinder_spin-x_re-4e4-laminar", dragcore::Cylinder{.diameter = 1.0, .length = 0.05}, {2.0, 0.0, 0.0},
+                                     -0.0016, 4e4);
   const double faces = 3.87 / std::sqrt(1e4) * 0.5 * omega * omega * std::pow(a, 5) / q_area;
   CHECK(compare::published_value(disc, "C_spin")->value == Approx(-1.1 * faces).epsilon(1e-6));
   // What was published of a body at rest says nothing about one that spins, and the other way round.

@@ -327,7 +327,8 @@ TEST_CASE("a file whose values were changed after it was written is refused", "[
   const sample::Folder folder;
   const compare::Reference reference = compare::merged({}, sample::quick_tier());
   compare::write_reference(folder / "reference.h5", reference, "abc");
-  const hid_t file = H5Fopen((folder / "reference.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT), column = H5Dopen2(file, "cases/density", H5P_DEFAULT);
+  const hid_t file = H5Fopen((folder / "reference.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT),
+              column = H5Dopen2(file, "cases/density", H5P_DEFAULT);
   const std::vector<double> denser(reference.cases.size(), 2.0);
   REQUIRE(H5Dwrite(column, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, denser.data()) >= 0);
   H5Dclose(column);

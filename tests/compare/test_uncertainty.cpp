@@ -59,7 +59,7 @@ TEST_CASE("three meshes that fall faster than the scheme can are taken to fall a
   const auto [cells, values] = series(1.0, 0.004, 3.0, {1.0, 1.5, 2.25});
   const auto study = grid_study(cells, values);
   CHECK_THAT(study.branch, Contains("second-order fit") && Contains("observed order 3.0") && Contains("safety factor 3"));
-  CHECK(2.0 * study.uncertainty > 3.0 * 0.004);  // wider than three times the true error on the finest mesh
+  CHECK(2.0 * study.uncertainty > 3.0 * 0.004);                    // wider than three times the true error on the finest mesh
   CHECK(2.0 * study.uncertainty < 3.0 * (values[2] - values[0]));  // and narrower than what three meshes without a trend get
 }
 
@@ -137,7 +137,8 @@ namespace {
 
 /// A cube whose force is this vector of coefficients, without moment.
 sample::CaseRecord cube(double yaw_deg, const std::string& level, int cells, const Eigen::Vector3d& force) {
-  auto record = sample::record("cube_yaw-" + std::to_string(static_cast<int>(yaw_deg)) + "_re-1e5", dragcore::Box{}, {.yaw = yaw_deg * sample::deg}, level, cells);
+  auto record = sample::record("cube_yaw-" + std::to_string(static_cast<int>(yaw_deg)) + "_re-1e5", dragcore::Box{},
+                               {.yaw = yaw_deg * sample::deg}, level, cells);
   record.load = {};
   record.load.force_pressure = force * compare::coefficient_scales(record)[0];
   return record;
@@ -145,7 +146,8 @@ sample::CaseRecord cube(double yaw_deg, const std::string& level, int cells, con
 
 /// Three meshes of order one, whose C_D is 1.2 + 0.04 h.
 std::vector<sample::CaseRecord> three_cubes_at_45() {
-  return {cube(45, "coarse", 12500, {1.28, 0.0, 0.0}), cube(45, "medium", 100000, {1.24, 0.0, 0.0}), cube(45, "fine", 800000, {1.22, 0.0, 0.0})};
+  return {cube(45, "coarse", 12500, {1.28, 0.0, 0.0}), cube(45, "medium", 100000, {1.24, 0.0, 0.0}),
+          cube(45, "fine", 800000, {1.22, 0.0, 0.0})};
 }
 
 const compare::CaseFamily& family_at(const std::vector<compare::CaseFamily>& families, const std::string& name) {
@@ -211,7 +213,8 @@ TEST_CASE("two levels count where they differ by more than what is carried, and 
     records.push_back(cube(0, "coarse", 12500, {coarse, 0.0, 0.0}));
     records.push_back(cube(0, "medium", 100000, {1.0, 0.0, 0.0}));
     const auto families = compare::case_families(records);
-    return std::pair(part_of_mesh(family_at(families, "cube_yaw-0_re-1e5"), 0), family_at(families, "cube_yaw-0_re-1e5").uncertainty.branches[0]);
+    return std::pair(part_of_mesh(family_at(families, "cube_yaw-0_re-1e5"), 0),
+                     family_at(families, "cube_yaw-0_re-1e5").uncertainty.branches[0]);
   };
   const double carried = std::hypot(0.02, 0.03) / 1.22;
   const auto [small, small_branch] = found(1.01);  // ratio of sizes 2: u = 3/2 * 0.01 / 3

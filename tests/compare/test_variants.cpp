@@ -10,7 +10,8 @@ using Eigen::Vector3d;
 namespace {
 
 /// A cube at yaw 30: C_D, C_S and C_n.
-sample::CaseRecord cube(const std::string& variant, double drag, double side, double moment, const std::string& level = "medium", int cells = 12000) {
+sample::CaseRecord cube(const std::string& variant, double drag, double side, double moment, const std::string& level = "medium",
+                        int cells = 12000) {
   auto record = sample::record("cube_yaw-030_re-1e5", dragcore::Box{}, {.yaw = 30 * sample::deg}, level, cells);
   if (!variant.empty()) record.name += "_" + variant;
   record.load = {};
@@ -21,7 +22,8 @@ sample::CaseRecord cube(const std::string& variant, double drag, double side, do
 
 }  // namespace
 
-TEST_CASE("a variant is compared with its base: in % of its force and moment, in units of u_disc, and by its cost", "[compare][variants][analytic]") {
+TEST_CASE("a variant is compared with its base: in % of its force and moment, in units of u_disc, and by its cost",
+          "[compare][variants][analytic]") {
   auto base = cube("", 0.8, 0.6, 0.05), coarse = cube("", 0.9, 0.6, 0.05, "coarse", 1500);
   auto upwind = cube("upwind", 0.83, 0.59, 0.04);
   upwind.cost = {{"mesh", {2.5, 2.6}}, {"solve", {5.25, 5.5}}};  // the base: 2.5 and 13 CPU seconds
@@ -58,10 +60,12 @@ TEST_CASE("of a flow followed up and down in angle the way up is the base", "[co
 }
 
 TEST_CASE("seeds have a scatter, the base among them", "[compare][variants][analytic]") {
-  const auto table = compare::variant_table({cube("", 0.79, 0.6, 0.05), cube("seed-2", 0.80, 0.6, 0.05), cube("seed-3", 0.81, 0.6, 0.05), cube("upwind", 0.9, 0.6, 0.05)});
+  const auto table = compare::variant_table(
+      {cube("", 0.79, 0.6, 0.05), cube("seed-2", 0.80, 0.6, 0.05), cube("seed-3", 0.81, 0.6, 0.05), cube("upwind", 0.9, 0.6, 0.05)});
   REQUIRE(table.seeds.size() == 1);
   CHECK(table.seeds[0].n == 3);
-  CHECK(table.seeds[0].drag.percent.value() == Approx(100.0 * 0.01 / std::hypot(0.79, 0.6)).epsilon(1e-10));  // standard deviation of -1, 0, 1
+  CHECK(table.seeds[0].drag.percent.value() ==
+        Approx(100.0 * 0.01 / std::hypot(0.79, 0.6)).epsilon(1e-10));  // standard deviation of -1, 0, 1
   CHECK(table.seeds[0].lateral.percent.value() == Approx(0.0).margin(1e-10));
   CHECK_FALSE(table.seeds[0].drag.in_u);  // one level: u_disc is not known
 }

@@ -1,4 +1,5 @@
-// Prints the hash of all results of the seeded cases. Linked with the library, or with a build of its core that lacks effects: CMakeLists.txt.
+// Prints the hash of all results of the seeded cases. Linked with the library, or with a build of its core that lacks effects:
+// CMakeLists.txt.
 
 #include <cstdio>
 #include <cstdlib>

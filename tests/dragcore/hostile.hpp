@@ -26,7 +26,8 @@ inline Body soup(zoo::Random& random, bool degenerate) {
   const int count = 1 + static_cast<int>(random.uniform(0.0, 7.999)), corners = 3 + static_cast<int>(random.uniform(0.0, 5.999));
   for (int i = 0; i < corners; ++i) body.mesh.vertices.push_back(random.vector(1.0));
   for (int i = 0; i < count; ++i) {
-    const int a = static_cast<int>(random.uniform(0.0, corners - 1e-9)), step = 1 + static_cast<int>(random.uniform(0.0, corners - 2 - 1e-9));
+    const int a = static_cast<int>(random.uniform(0.0, corners - 1e-9)),
+              step = 1 + static_cast<int>(random.uniform(0.0, corners - 2 - 1e-9));
     const int b = (a + step) % corners, c = (b + 1) % corners;
     body.mesh.triangles.emplace_back(a, b, c);
   }
@@ -61,13 +62,17 @@ inline Body closed(zoo::Random& random) {
   const dragcore::Shape shape = kind < 0.9 ? dragcore::Shape(dragcore::Box{}) : dragcore::Shape(dragcore::Cone{});
   Vector3d stretch{std::exp(random.uniform(-1.5, 0.5)), std::exp(random.uniform(-1.5, 0.5)), std::exp(random.uniform(-1.5, 0.5))};
   if (kind < 0.7) stretch.z() *= -1.0;
-  body.mesh = dragcore::transformed(dragcore::triangulate(shape, 1), random.rotation() * stretch.asDiagonal() * random.rotation(), random.vector(1.0));
+  body.mesh = dragcore::transformed(dragcore::triangulate(shape, 1), random.rotation() * stretch.asDiagonal() * random.rotation(),
+                                    random.vector(1.0));
   return body;
 }
 
-inline Body body(zoo::Random& random, bool degenerate) { return random.uniform(0.0, 1.0) < 0.5 ? soup(random, degenerate) : closed(random); }
+inline Body body(zoo::Random& random, bool degenerate) {
+  return random.uniform(0.0, 1.0) < 0.5 ? soup(random, degenerate) : closed(random);
+}
 
-/// Anything validate() lets through, with pushing terms of any strength. `edges`: with forces that jump where a face turns edge-on, W(0) or L(0) not 0.
+/// Anything validate() lets through, with pushing terms of any strength. `edges`: with forces that jump where a face turns edge-on, W(0) or
+/// L(0) not 0.
 inline dragcore::Law wild_law(zoo::Random& random, bool edges) {
   dragcore::Law law{.name = "wild"};
   for (std::size_t k = edges ? 0 : 1; k < 5; ++k) {
@@ -108,7 +113,9 @@ inline std::vector<dragcore::Pillow> pillows() {
 inline dragcore::Model model(zoo::Random& random, bool wild, bool masked) {
   using namespace dragcore;
   Model model;
-  const auto pick = [&](const auto& list) { return list[static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(list.size()) - 1e-9))]; };
+  const auto pick = [&](const auto& list) {
+    return list[static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(list.size()) - 1e-9))];
+  };
   static const std::vector<Law> known = laws();
   static const std::vector<Pillow> cushions = pillows();
   model.law = wild ? wild_law(random, true) : pick(known);
@@ -132,7 +139,8 @@ inline dragcore::Motion motion(zoo::Random& random) {
 
 /// Half density times the square of the largest speed of any point, times all area: no force of a coefficient of 1 is larger.
 inline double force_scale(const dragcore::Surface& surface, const dragcore::Motion& motion, double density) {
-  const double arm = (surface.centre - motion.reference_point).norm() + 2.0 * surface.radius;  // a pillow moves a point by less than a radius
+  const double arm =
+      (surface.centre - motion.reference_point).norm() + 2.0 * surface.radius;  // a pillow moves a point by less than a radius
   double wind = motion.wind.norm() + motion.wind_gradient.norm() * arm;
   for (const Vector3d& w : motion.triangle_wind) wind = std::max(wind, w.norm());
   const double speed = wind + motion.velocity.norm() + motion.angular_velocity.norm() * arm;

@@ -1,8 +1,7 @@
-#include <dragcore/animation.hpp>
-
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <dragcore/animation.hpp>
 #include <limits>
 #include <numbers>
 #include <random>

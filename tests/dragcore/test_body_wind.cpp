@@ -1,8 +1,6 @@
-#include <dragcore/body_wind.hpp>
-
-#include <dragcore/stepping.hpp>
-
 #include <catch2/catch.hpp>
+#include <dragcore/body_wind.hpp>
+#include <dragcore/stepping.hpp>
 
 #include "tests/support/zoo.hpp"
 
@@ -15,10 +13,15 @@ namespace {
 
 /// Solid rotation of the air about the origin of the world, as a grid that trilinear sampling reproduces exactly.
 Wind rotating_air(const Vector3d& omega) {
-  Grid grid{.points = {2, 2, 2}, .lower = Vector3d::Constant(-10.0), .upper = Vector3d::Constant(10.0), .values = Eigen::Matrix3Xd(3, 8), .outside = Outside::clamp};
+  Grid grid{.points = {2, 2, 2},
+            .lower = Vector3d::Constant(-10.0),
+            .upper = Vector3d::Constant(10.0),
+            .values = Eigen::Matrix3Xd(3, 8),
+            .outside = Outside::clamp};
   for (int k = 0; k < 2; ++k)
     for (int j = 0; j < 2; ++j)
-      for (int i = 0; i < 2; ++i) grid.values.col((k * 2 + j) * 2 + i) = omega.cross(Vector3d(20.0 * i - 10.0, 20.0 * j - 10.0, 20.0 * k - 10.0));
+      for (int i = 0; i < 2; ++i)
+        grid.values.col((k * 2 + j) * 2 + i) = omega.cross(Vector3d(20.0 * i - 10.0, 20.0 * j - 10.0, 20.0 * k - 10.0));
   return Wind({{.name = "turning", .field = std::make_shared<const GridField>(grid)}});
 }
 
@@ -55,7 +58,8 @@ TEST_CASE("values per triangle converge to the affine wind as triangles shrink",
   const auto error = [&](int divisions) {
     const Surface surface = zoo::surface(Box{}, divisions);
     Motion affine, sampled;
-    const BodyWind a(wind, surface, place, Vector3d::Zero(), WindSampling::affine), b(wind, surface, place, Vector3d::Zero(), WindSampling::per_triangle);
+    const BodyWind a(wind, surface, place, Vector3d::Zero(), WindSampling::affine),
+        b(wind, surface, place, Vector3d::Zero(), WindSampling::per_triangle);
     a.apply_to(affine);
     b.apply_to(sampled);
     return difference(wrench(surface, affine, {}, model).total(), wrench(surface, sampled, {}, model).total());
@@ -94,7 +98,8 @@ TEST_CASE("the cheapest sampling within a tolerance is taken, and its wind is wi
     wind.apply_to(motion);
     for (Eigen::Index i = 0; i < surface.size(); ++i) {
       const Vector3d r = surface.centroid.row(i).matrix();
-      const Vector3d given = motion.triangle_wind.empty() ? Vector3d(motion.wind + motion.wind_gradient * r) : motion.triangle_wind[static_cast<std::size_t>(i)];
+      const Vector3d given = motion.triangle_wind.empty() ? Vector3d(motion.wind + motion.wind_gradient * r)
+                                                          : motion.triangle_wind[static_cast<std::size_t>(i)];
       CHECK((given - vortex.velocity(place.position + r)).norm() <= tolerance + 1e-12);
     }
   }
@@ -108,7 +113,8 @@ TEST_CASE("a step in turning air goes with the whole wrench, and ends in turning
   const Model model{.law = closed_law()};
   const MassProperties body{.mass = 0.02, .inertia = 0.02 / 6 * Matrix3d::Identity()};
   Motion motion;
-  for (int step = 0; step < 4000; ++step) {  // the body stays at the axis; its attitude does not matter to a field of solid rotation about z
+  for (int step = 0; step < 4000;
+       ++step) {  // the body stays at the axis; its attitude does not matter to a field of solid rotation about z
     const BodyWind body_wind(wind, surface, {}, Vector3d::Zero(), WindSampling::affine);
     body_wind.apply_to(motion);
     const Matrix6d s = resistance(surface, motion, {}, model);
@@ -128,6 +134,7 @@ TEST_CASE("a wind of the wrong length, or a frame that is no rotation, is refuse
   motion.triangle_wind = few;
   CHECK_THROWS_WITH(wrench(surface, motion, {}, {.check = false}), Catch::Contains("= 3, but the surface has"));
   const Wind wind({{.name = "w"}});
-  CHECK_THROWS_WITH(BodyWind(wind, surface, {.rotation = 2.0 * Matrix3d::Identity()}, Vector3d::Zero(), WindSampling::affine), Catch::Contains("rotation"));
+  CHECK_THROWS_WITH(BodyWind(wind, surface, {.rotation = 2.0 * Matrix3d::Identity()}, Vector3d::Zero(), WindSampling::affine),
+                    Catch::Contains("rotation"));
   CHECK_THROWS_WITH(BodyWind::within(wind, surface, {}, Vector3d::Zero(), -1.0), Catch::Contains("tolerance"));
 }

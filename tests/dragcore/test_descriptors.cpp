@@ -1,8 +1,7 @@
-#include <dragcore/descriptors.hpp>
-
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <dragcore/descriptors.hpp>
 #include <numbers>
 
 #include "tests/support/zoo.hpp"
@@ -29,11 +28,11 @@ TEST_CASE("a cube face-on, edge-on and corner-on has the frontal area, depth and
   CHECK_THAT(face.depth, WithinRel(1.0, rounding));
   CHECK_THAT(edge.depth, WithinRel(std::pow(2.0, -0.75), rounding));
   CHECK_THAT(face.sharpness, WithinRel(1.0, rounding));
-  CHECK_THAT(edge.sharpness, WithinRel(std::sqrt(0.5), rounding));    // two faces at 45 degrees
+  CHECK_THAT(edge.sharpness, WithinRel(std::sqrt(0.5), rounding));  // two faces at 45 degrees
   CHECK_THAT(corner.sharpness, WithinRel(std::sqrt(1.0 / 3.0), rounding));
   CHECK_THAT(face.aspect, WithinRel(1.0, rounding));
-  CHECK_THAT(edge.aspect, WithinRel(std::sqrt(2.0), rounding));       // a rectangle of sqrt(2) by 1
-  CHECK_THAT(corner.aspect, WithinRel(1.0, 1e-7));                    // a hexagon; the root of a rounding error
+  CHECK_THAT(edge.aspect, WithinRel(std::sqrt(2.0), rounding));  // a rectangle of sqrt(2) by 1
+  CHECK_THAT(corner.aspect, WithinRel(1.0, 1e-7));               // a hexagon; the root of a rounding error
 }
 
 TEST_CASE("frontal area, depth and sharpness of a ball are those of a ball, to second order", "[descriptors][convergence]") {

@@ -32,7 +32,8 @@ TEST_CASE("the prepared surface gives the wrench of the reference, term by term"
     for (const Model& model : zoo::models())
       for (const double spin : {0.0, 4.0}) {
         const Motion motion = random.motion(2.0, spin);
-        const WrenchByTerm fast = wrench(surface, motion, {}, model), plain = reference::wrench(mesh, zoo::sides_of(shape), motion, {}, model);
+        const WrenchByTerm fast = wrench(surface, motion, {}, model),
+                           plain = reference::wrench(mesh, zoo::sides_of(shape), motion, {}, model);
         INFO(kind(shape) << ", law " << model.law.name << ", pillow " << to_string(model.pillow.form) << ", spin " << spin);
         // Rounding of about 100 terms that partly cancel; the reference samples more points than the fast path where there is no spin.
         CHECK(difference(plain.total(), fast.total()) < 1e-12);
@@ -50,8 +51,10 @@ TEST_CASE("turning everything turns the wrench", "[drag][invariance]") {
       const Matrix3d R = random.rotation();
       const Motion motion = random.motion(2.0, 3.0);
       const Wrench before = wrench(Surface(mesh, zoo::sides_of(shape)), motion, {}, model).total();
-      const Wrench after = wrench(Surface(transformed(mesh, R, Vector3d::Zero()), zoo::sides_of(shape)), rotated(R, motion), {}, model).total();
-      CHECK(difference({R * before.force, R * before.torque}, after) < 1e-11);  // rounding of the rotation, amplified where faces are nearly edge-on
+      const Wrench after =
+          wrench(Surface(transformed(mesh, R, Vector3d::Zero()), zoo::sides_of(shape)), rotated(R, motion), {}, model).total();
+      CHECK(difference({R * before.force, R * before.torque}, after) <
+            1e-11);  // rounding of the rotation, amplified where faces are nearly edge-on
     }
 }
 
@@ -114,7 +117,8 @@ TEST_CASE("splitting triangles leaves the wrench of a body that does not spin al
     for (const PillowForm form : {PillowForm::none, PillowForm::patch, PillowForm::tilt}) {
       const Motion motion = random.motion(2.0, 0.0);
       const Model model{.law = law, .pillow = {form, form == PillowForm::none ? 0.0 : 0.8}};
-      CHECK(difference(wrench(zoo::surface(Box{2, 1, 0.5}, 1), motion, {}, model).total(), wrench(zoo::surface(Box{2, 1, 0.5}, 24), motion, {}, model).total()) < 1e-12);
+      CHECK(difference(wrench(zoo::surface(Box{2, 1, 0.5}, 1), motion, {}, model).total(),
+                       wrench(zoo::surface(Box{2, 1, 0.5}, 24), motion, {}, model).total()) < 1e-12);
     }
 }
 
@@ -128,7 +132,9 @@ TEST_CASE("a body s times larger feels s^2 the force and s^3 the torque, a wind 
       for (const double s : {1e-6, 1e-3, 1.0, 1e3, 1e6})
         for (const double v : {1e-6, 1e-3, 1.0, 1e3, 1e6}) {
           const Motion scaled{v * motion.wind, v * motion.velocity, v / s * motion.angular_velocity, s * motion.reference_point};
-          const Wrench found = wrench(Surface(transformed(mesh, s * Matrix3d::Identity(), Vector3d::Zero()), zoo::sides_of(shape)), scaled, {}, model).total();
+          const Wrench found =
+              wrench(Surface(transformed(mesh, s * Matrix3d::Identity(), Vector3d::Zero()), zoo::sides_of(shape)), scaled, {}, model)
+                  .total();
           CHECK(difference(unit, {found.force / (s * s * v * v), found.torque / (s * s * s * v * v)}) < 1e-11);
         }
     }
@@ -160,12 +166,13 @@ TEST_CASE("a cube spinning about its axis is braked: the note's own example", "[
   }
   CHECK_THAT(exact, WithinAbs(-0.04328, 1e-5));
   const auto torque = [](int divisions, Quadrature order) {
-    return wrench(zoo::surface(Box{1, 1, 1}, divisions), {.angular_velocity = Vector3d(0, 0, 1)}, {.density = 1.0}, {.quadrature = order}).total();
+    return wrench(zoo::surface(Box{1, 1, 1}, divisions), {.angular_velocity = Vector3d(0, 0, 1)}, {.density = 1.0}, {.quadrature = order})
+        .total();
   };
   CHECK_THAT(torque(1, Quadrature::one).torque.z(), WithinAbs(-0.00780, 1e-4));   // what 12 triangles give by each rule: model.md, to the
   CHECK_THAT(torque(1, Quadrature::three).torque.z(), WithinAbs(-0.0383, 1e-4));  // digits quoted there
   CHECK_THAT(torque(1, Quadrature::six).torque.z(), WithinAbs(-0.0443, 1e-4));
-  CHECK_THAT(torque(32, Quadrature::three).torque.z(), WithinRel(exact, 1e-3));   // (1/64)^2 of the pressure's curvature, and less
+  CHECK_THAT(torque(32, Quadrature::three).torque.z(), WithinRel(exact, 1e-3));  // (1/64)^2 of the pressure's curvature, and less
   CHECK(torque(4, Quadrature::three).force.norm() < 1e-15);
 }
 
@@ -186,7 +193,9 @@ TEST_CASE("what has no size gives nothing, and nothing breaks", "[drag][hard]") 
 TEST_CASE("a force changes continuously as a face turns edge-on", "[drag][limit]") {
   const Surface sheet = zoo::surface(Plate{1, 1, 0}, 2);
   for (const Model& model : zoo::models()) {
-    const auto force = [&](double angle) { return wrench(sheet, {.wind = Vector3d(std::cos(angle), 0, std::sin(angle))}, {.density = 2.0}, model).total().force.z(); };
+    const auto force = [&](double angle) {
+      return wrench(sheet, {.wind = Vector3d(std::cos(angle), 0, std::sin(angle))}, {.density = 2.0}, model).total().force.z();
+    };
     CHECK(force(0.0) == 0.0);
     CHECK(std::abs(force(1e-9)) < 3e-9);  // at most 2 c (1 + suction) for the steepest law
     CHECK_THAT(force(1e-3), WithinAbs(-force(-1e-3), 1e-15));

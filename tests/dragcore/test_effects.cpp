@@ -1,4 +1,5 @@
-// What is off is not evaluated, what is on is. This program has the core of the library compiled in, with DRAGCORE_COUNT_EFFECTS (dragcore/src/instrument.hpp).
+// What is off is not evaluated, what is on is. This program has the core of the library compiled in, with DRAGCORE_COUNT_EFFECTS
+// (dragcore/src/instrument.hpp).
 
 #include <catch2/catch.hpp>
 #include <dragcore/stepping.hpp>
@@ -37,19 +38,38 @@ Model whole_model() {
   return model;
 }
 
-const Motion whole_motion{.wind = {5, 1, 2}, .velocity = {0, 1, 0}, .angular_velocity = {1, 2, 3}, .wind_gradient = 0.2 * Eigen::Matrix3d::Identity()};
+const Motion whole_motion{
+    .wind = {5, 1, 2}, .velocity = {0, 1, 0}, .angular_velocity = {1, 2, 3}, .wind_gradient = 0.2 * Eigen::Matrix3d::Identity()};
 
 void take_away(unsigned i, Model& model, Motion& motion) {
   switch (effect(i)) {
-    case Effect::leeward_suction: model.law.leeward = {}; break;
-    case Effect::friction: model.law.friction = 0.0; break;
-    case Effect::base_suction: model.law.base_suction = 0.0; break;
-    case Effect::recovery: model.law.recovery = 0.0; break;
-    case Effect::shelter: model.law.shelter = 0.0; break;
-    case Effect::curvature: model.law.curvature = 0.0; break;
-    case Effect::pillow: model.pillow = {}; break;
-    case Effect::spin: motion.angular_velocity.setZero(); break;
-    case Effect::wind_variation: motion.wind_gradient.setZero(); break;
+    case Effect::leeward_suction:
+      model.law.leeward = {};
+      break;
+    case Effect::friction:
+      model.law.friction = 0.0;
+      break;
+    case Effect::base_suction:
+      model.law.base_suction = 0.0;
+      break;
+    case Effect::recovery:
+      model.law.recovery = 0.0;
+      break;
+    case Effect::shelter:
+      model.law.shelter = 0.0;
+      break;
+    case Effect::curvature:
+      model.law.curvature = 0.0;
+      break;
+    case Effect::pillow:
+      model.pillow = {};
+      break;
+    case Effect::spin:
+      motion.angular_velocity.setZero();
+      break;
+    case Effect::wind_variation:
+      motion.wind_gradient.setZero();
+      break;
   }
 }
 
@@ -97,7 +117,8 @@ TEST_CASE("what the mask, the law, the pillow or the motion leaves out is not ev
     }
 }
 
-TEST_CASE("the note's law in a uniform wind evaluates no effect at all, and neither does any model with all of them off", "[effects][limit]") {
+TEST_CASE("the note's law in a uniform wind evaluates no effect at all, and neither does any model with all of them off",
+          "[effects][limit]") {
   const auto sum = [](const Counts& counts) { return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}); };
   const Surface ball = zoo::surface(Sphere{}, 2);
   for (const Counts& counts : counts_of(ball, {.wind = {5, 1, 2}}, {})) CHECK(sum(counts) == 0);

@@ -1,12 +1,12 @@
-// The faults of the note that no other test shows, each by its number in docs/model.md: the printed formula, evaluated, against what it should give.
+// The faults of the note that no other test shows, each by its number in docs/model.md: the printed formula, evaluated, against what it
+// should give.
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <numbers>
-
 #include <dragcore/wind.hpp>
+#include <numbers>
 
 #include "tests/support/zoo.hpp"
 
@@ -36,19 +36,25 @@ struct NoteTriangle {
   template <class Middle>
   double h_average(Middle second) const {
     const auto weight = [&](double l) { return f(l) * thickness(l); };
-    const double moment = integrate(0, b, [&](double l) { return l / b * (c - H() / 2) * weight(l); }) + integrate(b, 1, [&](double l) { return second(l) * weight(l); });
+    const double moment = integrate(0, b, [&](double l) { return l / b * (c - H() / 2) * weight(l); }) +
+                          integrate(b, 1, [&](double l) { return second(l) * weight(l); });
     return moment / (integrate(0, b, weight) + integrate(b, 1, weight));
   }
-  double h_exact() const { return h_average([this](double l) { return (c - H() / 2) + (l - b) / (1 - b) * (d - c + H() / 2); }); }
-  double h_with_printed_middle() const { return h_average([this](double l) { return d + (l - b) / (1 - b) * (d - c + H() / 2); }); }
+  double h_exact() const {
+    return h_average([this](double l) { return (c - H() / 2) + (l - b) / (1 - b) * (d - c + H() / 2); });
+  }
+  double h_with_printed_middle() const {
+    return h_average([this](double l) { return d + (l - b) / (1 - b) * (d - c + H() / 2); });
+  }
   /// The printed numerator with its brackets closed where they belong (E8), `sign` in front of the term with the arc sine.
   double h_closed_form(double sign) const {
     const double S = std::sqrt(1 - b * b), b2 = b * b, b3 = b2 * b, b4 = b3 * b, h = H();
-    const double brackets = 6 * p * S * (h - 2 * c) +
-                            4 * b2 * (c * (-2 * p * (S + 10) + 6 * pi * p + 20) + d * (p * (S - 12 * pi + 48) - 48) + h * (p * (S - 3 * pi + 10) - 10)) +
-                            8 * b3 * (12 * d * (p * (S - 2) + 2) - 2 * c * (p * (4 * S - 7) + 7) + h * (p * (4 * S - 7) + 7)) +
-                            8 * b4 * (d * (-5 * p * S + 8 * p - 8) + h * (-2 * p * S + 3 * p - 3) + c * (p * (4 * S - 6) + 6)) +
-                            b * (2 * c * (p * (-4 * S + 3 * pi + 8) - 8) + 2 * d * ((9 * pi - 32) * p + 32) + h * (p * (4 * S - 3 * pi - 8) + 8));
+    const double brackets =
+        6 * p * S * (h - 2 * c) +
+        4 * b2 * (c * (-2 * p * (S + 10) + 6 * pi * p + 20) + d * (p * (S - 12 * pi + 48) - 48) + h * (p * (S - 3 * pi + 10) - 10)) +
+        8 * b3 * (12 * d * (p * (S - 2) + 2) - 2 * c * (p * (4 * S - 7) + 7) + h * (p * (4 * S - 7) + 7)) +
+        8 * b4 * (d * (-5 * p * S + 8 * p - 8) + h * (-2 * p * S + 3 * p - 3) + c * (p * (4 * S - 6) + 6)) +
+        b * (2 * c * (p * (-4 * S + 3 * pi + 8) - 8) + 2 * d * ((9 * pi - 32) * p + 32) + h * (p * (4 * S - 3 * pi - 8) + 8));
     const double arc = 6 * p * std::asin(b) * (4 * b3 * (2 * c - 4 * d - h) + 6 * b2 * d + 2 * b * (2 * c - h) + (h - 2 * c));
     const double denominator = 16 * b * (b - 1) * (b2 * (p * (S - 3) + 3) + b * (5 * p - 3) - 3 * b * p * std::acos(b) + 2 * p * (S - 1));
     return (b * brackets + sign * arc) / denominator;
@@ -62,13 +68,16 @@ constexpr NoteTriangle triangle{.b = 0.4, .c = 0.8, .d = -0.35, .p = 0.7};
 TEST_CASE("E1, E2: the note's force does c times the work that its own balance asks for", "[errata][analytic]") {
   for (const double c : {0.1, 0.4, 0.8, 1.0}) {
     const double energy = c * (1 - (1 - c) * (1 - c));  // mass flow c, slowed from 1 to 1 - c; in rho A v^3 / 2
-    CHECK_THAT(evaluate(note_law().windward, c) * c, WithinAbs(c * energy, 1e-15));  // force along -n: its part along the flow is c times it
+    CHECK_THAT(evaluate(note_law().windward, c) * c,
+               WithinAbs(c * energy, 1e-15));  // force along -n: its part along the flow is c times it
     CHECK_THAT(evaluate(consistent_law().windward, c) * c, WithinAbs(energy, 1e-15));
   }
 }
 
 TEST_CASE("E3: without the guard leeward faces get c^2 (2 + c)", "[errata][sign]") {
-  const auto printed = [](double cosine) { return 2 * std::abs(cosine) * cosine * (1 + cosine / 2); };  // C_N along N, with A_P = A |cos phi|
+  const auto printed = [](double cosine) {
+    return 2 * std::abs(cosine) * cosine * (1 + cosine / 2);
+  };                                                  // C_N along N, with A_P = A |cos phi|
   CHECK_THAT(printed(-1.0), WithinAbs(-1.0, 1e-15));  // windward: pushed, as wanted
   CHECK_THAT(printed(1.0), WithinAbs(3.0, 1e-15));    // leeward: pulled three times as hard
 }
@@ -89,17 +98,22 @@ TEST_CASE("E5: the first integral of the mean height lost a thickness", "[errata
   // With every length doubled the mean height must double; without H in one of two terms it does not.
   const auto first_form = [](double size, bool with_thickness) {
     const double b = 0.4 * size, L = size, H = 0.9 * size, c = 0.8 * size, d = -0.35 * size;
-    const double one = integrate(0, b, [&](double l) { return l / b * (c - H / 2) * H * l / b; }, 2000);
-    const double two = integrate(b, L, [&](double l) { return (d + (l - b) / (L - b) * (d - c + H / 2)) * (with_thickness ? H : 1.0) * (1 - (l - b) / (L - b)); }, 2000);
+    const double one = integrate(
+        0, b, [&](double l) { return l / b * (c - H / 2) * H * l / b; }, 2000);
+    const double two = integrate(
+        b, L, [&](double l) { return (d + (l - b) / (L - b) * (d - c + H / 2)) * (with_thickness ? H : 1.0) * (1 - (l - b) / (L - b)); },
+        2000);
     return (one + two) / (H * L / 2);
   };
   CHECK_THAT(first_form(2.0, true), WithinRel(2 * first_form(1.0, true), 1e-12));
   CHECK(std::abs(first_form(2.0, false) / first_form(1.0, false) - 2.0) > 0.1);
 }
 
-TEST_CASE("E6, E8, E9: the printed mean height, regrouped and with the right sign, is exact for the wrong middle line", "[errata][analytic]") {
-  CHECK_THAT(triangle.h_closed_form(-1.0), WithinAbs(triangle.h_with_printed_middle(), 1e-8));  // midpoint rule of 2e5 slices with a root at the end
-  CHECK(std::abs(triangle.h_closed_form(+1.0) - triangle.h_with_printed_middle()) > 0.05);      // as printed
+TEST_CASE("E6, E8, E9: the printed mean height, regrouped and with the right sign, is exact for the wrong middle line",
+          "[errata][analytic]") {
+  CHECK_THAT(triangle.h_closed_form(-1.0),
+             WithinAbs(triangle.h_with_printed_middle(), 1e-8));  // midpoint rule of 2e5 slices with a root at the end
+  CHECK(std::abs(triangle.h_closed_form(+1.0) - triangle.h_with_printed_middle()) > 0.05);  // as printed
   CHECK(std::abs(triangle.h_with_printed_middle() - triangle.h_exact()) > 0.05);
   const Vector3d weights = triangle_pillow_weights(triangle.b, triangle.p);
   CHECK_THAT(weights[1] * triangle.c + weights[2] * triangle.d, WithinAbs(triangle.h_exact(), 1e-8));
@@ -114,7 +128,8 @@ TEST_CASE("E10: the closed forms divide zero by zero where an edge is square to 
 
 TEST_CASE("E11: a constant factor makes the torque jump where the flow passes the normal", "[errata][limit]") {
   const Patch patch = Surface(triangulate(Plate{1, 1, 0}, 1), Surface::Sides::two).patches[0];
-  const Vector3d left = patch_pillow_shift(patch, Vector3d(1e-9, 0, -1), 1.0), right = patch_pillow_shift(patch, Vector3d(-1e-9, 0, -1), 1.0);
+  const Vector3d left = patch_pillow_shift(patch, Vector3d(1e-9, 0, -1), 1.0),
+                 right = patch_pillow_shift(patch, Vector3d(-1e-9, 0, -1), 1.0);
   CHECK_THAT((left - right).norm(), WithinAbs(2 * 0.0756, 1e-4));
   CHECK(faded_pillow_factor(1.0, 1.0) == 0.0);
 }
@@ -142,31 +157,42 @@ TEST_CASE("E15, E16: the rotational element has sin^2, and its axis must be turn
     const double w = -u.dot(n), c = w / u.norm();
     REQUIRE(w > 0.0);
     // dF of the local law per width and rho: w^2 (1 - c/2) = x^2 omega^2 sin^2 (1 - sin/2); the note has one sine.
-    CHECK_THAT(0.5 * u.squaredNorm() * evaluate(note_law().windward, c), WithinRel(x * x * omega.squaredNorm() * sine * sine * (1 - sine / 2), 1e-12));
+    CHECK_THAT(0.5 * u.squaredNorm() * evaluate(note_law().windward, c),
+               WithinRel(x * x * omega.squaredNorm() * sine * sine * (1 - sine / 2), 1e-12));
   }
 }
 
 TEST_CASE("E17, E19: the printed torque has the order reversed and its tilt the wrong parity and unit", "[errata][sign]") {
   // A push along -z on a plate that lies at +x of the reference point turns it from x to -z: about +y. F x r would turn it the other way.
-  const WrenchByTerm pushed = wrench(Surface(triangulate(Plate{1.0, 1.0, 0.0}, 1), Surface::Sides::two), {.wind = {0, 0, -1}, .reference_point = {-1, 0, 0}}, {.density = 2.0}, {});
+  const WrenchByTerm pushed = wrench(Surface(triangulate(Plate{1.0, 1.0, 0.0}, 1), Surface::Sides::two),
+                                     {.wind = {0, 0, -1}, .reference_point = {-1, 0, 0}}, {.density = 2.0}, {});
   CHECK_THAT(pushed.total().force.z(), WithinAbs(-1.0, 1e-15));
   CHECK_THAT(pushed.total().torque.y(), WithinAbs(1.0, 1e-15));
   // A triangle and its mirror image in h must tilt in opposite ways: int x^2 h h_m does, the printed int x^3 h_m^2 cannot.
   const auto tilt = [](double sign, bool printed) {
-    return integrate(0, 0.5, [&](double x) { const double h = 1 - x, middle = sign * 0.3 * x; return printed ? x * x * x * middle * middle : x * x * h * middle; }, 2000);
+    return integrate(
+        0, 0.5,
+        [&](double x) {
+          const double h = 1 - x, middle = sign * 0.3 * x;
+          return printed ? x * x * x * middle * middle : x * x * h * middle;
+        },
+        2000);
   };
   CHECK_THAT(tilt(-1, false), WithinRel(-tilt(1, false), 1e-12));
   CHECK_THAT(tilt(-1, true), WithinRel(tilt(1, true), 1e-12));
 }
 
-TEST_CASE("E18, E20, E21: shares outside 0 to 1, a middle line that misses the first vertex, damping that turns into drive", "[errata][sign]") {
+TEST_CASE("E18, E20, E21: shares outside 0 to 1, a middle line that misses the first vertex, damping that turns into drive",
+          "[errata][sign]") {
   zoo::Random random(18);
   int outside = 0;
   for (int i = 0; i < 1000; ++i) {
     Vector3d p[3] = {random.vector(1.0), random.vector(1.0), random.vector(1.0)};  // a triangle in x and y about its centroid
     const Vector3d centroid = (p[0] + p[1] + p[2]) / 3;
     std::sort(p, p + 3, [](const Vector3d& a, const Vector3d& b) { return a.x() < b.x(); });
-    const auto edge = [&](int from, int to, double x) { return p[from].y() + (p[to].y() - p[from].y()) * (x - p[from].x()) / (p[to].x() - p[from].x()) - centroid.y(); };
+    const auto edge = [&](int from, int to, double x) {
+      return p[from].y() + (p[to].y() - p[from].y()) * (x - p[from].x()) / (p[to].x() - p[from].x()) - centroid.y();
+    };
     const double x = random.uniform(p[0].x(), p[2].x()), one = edge(0, 2, x), two = x < p[1].x() ? edge(0, 1, x) : edge(1, 2, x);
     const double share = 0.5 * (one + two) / std::abs(one - two);  // h_m / h
     outside += share < 0.0 || share > 1.0;
@@ -177,7 +203,8 @@ TEST_CASE("E18, E20, E21: shares outside 0 to 1, a middle line that misses the f
   CHECK(std::abs(a.y() - (a + b + c).y() / 3) > 0.1);
   // E21: int |x|^3 h is the same read from either side; the leading minus makes a brake a motor.
   const auto h = [](double x) { return 1 - 0.8 * x; };
-  const auto there = integrate(-0.5, 0.7, [&](double x) { return std::abs(x * x * x) * h(x); }), back = integrate(-0.7, 0.5, [&](double x) { return std::abs(x * x * x) * h(-x); });
+  const auto there = integrate(-0.5, 0.7, [&](double x) { return std::abs(x * x * x) * h(x); }),
+             back = integrate(-0.7, 0.5, [&](double x) { return std::abs(x * x * x) * h(-x); });
   CHECK_THAT(back, WithinRel(there, 1e-9));
 }
 
@@ -213,7 +240,8 @@ TEST_CASE("E24, E25: linear and rotational forces apart miss the cross term, whi
   CHECK(std::sqrt(quadrature_error / size) < 0.01);  // three points on 12 triangles
 }
 
-TEST_CASE("E26: the trilinear formulas reproduce every trilinear function, and read outside the grid without a guard", "[errata][analytic]") {
+TEST_CASE("E26: the trilinear formulas reproduce every trilinear function, and read outside the grid without a guard",
+          "[errata][analytic]") {
   constexpr int n = 4;
   const auto field = [](double x, double y, double z) { return 1 + 2 * x - y + 3 * z + 4 * x * y - 5 * y * z + 6 * z * x - 7 * x * y * z; };
   const auto printed = [&](double x, double y, double z) {
@@ -222,7 +250,8 @@ TEST_CASE("E26: the trilinear formulas reproduce every trilinear function, and r
     const auto high = [&](double s) { return std::min(low(s) + 1, n - 1); };
     const double xd = x * (n - 1) - low(x), yd = y * (n - 1) - low(y), zd = z * (n - 1) - low(z);
     const auto line = [&](int j, int k) { return at(low(x), j, k) * (1 - xd) + at(high(x), j, k) * xd; };
-    const double near = (1 - yd) * line(low(y), low(z)) + yd * line(high(y), low(z)), far = (1 - yd) * line(low(y), high(z)) + yd * line(high(y), high(z));
+    const double near = (1 - yd) * line(low(y), low(z)) + yd * line(high(y), low(z)),
+                 far = (1 - yd) * line(low(y), high(z)) + yd * line(high(y), high(z));
     return (1 - zd) * near + zd * far;
   };
   for (const double x : {0.0, 0.1, 0.5, 0.99, 1.0})

@@ -1,10 +1,9 @@
-#include <dragcore/field_file.hpp>
-
 #include <hdf5.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <dragcore/field_file.hpp>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -12,7 +11,8 @@
 #include <string_view>
 #include <vector>
 
-/// HDF5 1.10.8 loses 328 bytes whenever an object's checksum is wrong (its own h5dump too): not ours to report. Read by the leak sanitizer alone.
+/// HDF5 1.10.8 loses 328 bytes whenever an object's checksum is wrong (its own h5dump too): not ours to report. Read by the leak sanitizer
+/// alone.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
 
 using namespace dragcore;
@@ -131,7 +131,8 @@ TEST_CASE("an FGA file that is cut, foreign or wrong gives a message with its fa
   refused("1.5,1,1,0,0,0,1,1,1,1,2,3", "whole number from 1");
   refused("-1,1,1,0,0,0,1,1,1,1,2,3", "whole number from 1");
   refused("1000,1000,1000,0,0,0,1,1,1,1,2,3", "promises 1000 x 1000 x 1000 vectors");
-  refused("100000000,100000000,100000000,0,0,0,1,1,1,1,2,3", "promises 100000000 x 100000000 x 100000000 vectors");  // more than 64 bits count
+  refused("100000000,100000000,100000000,0,0,0,1,1,1,1,2,3",
+          "promises 100000000 x 100000000 x 100000000 vectors");  // more than 64 bits count
   refused("1e300,1e300,1e300,0,0,0,1,1,1,1,2,3", "whole number from 1");
   refused("1,1,1,0,0,0,1,0,1,1,2,3", "upper - lower");
   refused("solid cube", "'solid'");
@@ -219,7 +220,8 @@ TEST_CASE("an HDF5 field file that is cut, foreign or wrong gives a message with
   CHECK(found > 100);
 }
 
-TEST_CASE("an HDF5 field file without checksums on its structure is refused before the library can stumble", "[dragcore][field_file][hard][regression]") {
+TEST_CASE("an HDF5 field file without checksums on its structure is refused before the library can stumble",
+          "[dragcore][field_file][hard][regression]") {
   const Folder folder;
   // The same contents, as the library writes them by default and in the format of 1.10; texts of fixed and of variable length.
   const auto make = [&](const std::string& name, bool oldest, bool variable) {
@@ -248,7 +250,8 @@ TEST_CASE("an HDF5 field file without checksums on its structure is refused befo
   CHECK(read_field_hdf5(make("good.h5", false, false)).velocity(Vector3d(0.5, 0.5, 0.5)) == Vector3d(1, 2, 3));
   CHECK_THROWS_WITH(read_field_hdf5(make("old.h5", true, false)),
                     Contains("its superblock is damaged, or of HDF5's oldest format") && Contains("libver='v110'"));
-  CHECK_THROWS_WITH(read_field_hdf5(make("texts.h5", false, true)), Contains("attribute schema is a text of variable length") && Contains("numpy.bytes_"));
+  CHECK_THROWS_WITH(read_field_hdf5(make("texts.h5", false, true)),
+                    Contains("attribute schema is a text of variable length") && Contains("numpy.bytes_"));
 
   // A root or a dataset that has become one of the oldest format: its first byte is the version then.
   const std::string good = contents(folder.path / "good.h5");

@@ -1,7 +1,6 @@
-#include <dragcore/gust.hpp>
-
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <dragcore/gust.hpp>
 #include <limits>
 #include <numbers>
 

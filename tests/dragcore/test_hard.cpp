@@ -34,7 +34,9 @@ std::vector<Model> models() {
   return list;
 }
 
-std::string name(const Model& model) { return "law " + model.law.name + ", pillow " + to_string(model.pillow.form) + " " + to_string(model.pillow.falloff); }
+std::string name(const Model& model) {
+  return "law " + model.law.name + ", pillow " + to_string(model.pillow.form) + " " + to_string(model.pillow.falloff);
+}
 
 /// Largest difference of two wrenches, about 1 in size.
 double distance(const Wrench& a, const Wrench& b) { return (a.force - b.force).norm() + (a.torque - b.torque).norm(); }
@@ -43,7 +45,8 @@ bool same_bits(const Wrench& a, const Wrench& b) { return a.force == b.force && 
 
 Surface sheet(const TriangleMesh& mesh) { return Surface(mesh, Surface::Sides::two); }
 
-const Motion oblique{.wind = {0.8, 0.3, -0.5}, .velocity = {0.1, -0.2, 0.3}, .angular_velocity = {0.7, -0.4, 1.1}, .reference_point = {0.1, 0.05, -0.2}};
+const Motion oblique{
+    .wind = {0.8, 0.3, -0.5}, .velocity = {0.1, -0.2, 0.3}, .angular_velocity = {0.7, -0.4, 1.1}, .reference_point = {0.1, 0.05, -0.2}};
 const Motion oblique_straight{.wind = {0.8, 0.3, -0.5}, .velocity = {0.1, -0.2, 0.3}, .reference_point = {0.1, 0.05, -0.2}};
 
 }  // namespace
@@ -66,9 +69,11 @@ TEST_CASE("a seam closed by a triangle without area is a seam: the wrench of a c
   CHECK_THAT(patched.volume, WithinRel(1.0, 1e-14));
   CHECK(patched.body_class == BodyClass::sharp);
   for (const Model& model : models()) {
-    if (model.pillow.form == PillowForm::triangle || model.pillow.form == PillowForm::eccentricity) continue;  // know the triangulation: erratum E13
+    if (model.pillow.form == PillowForm::triangle || model.pillow.form == PillowForm::eccentricity)
+      continue;  // know the triangulation: erratum E13
     INFO(name(model));
-    CHECK(distance(wrench(cube, oblique_straight, {}, model).total(), wrench(patched, oblique_straight, {}, model).total()) < 1e-13);  // rounding
+    CHECK(distance(wrench(cube, oblique_straight, {}, model).total(), wrench(patched, oblique_straight, {}, model).total()) <
+          1e-13);  // rounding
   }
 }
 
@@ -85,10 +90,12 @@ TEST_CASE("a sheet cut into needles of 1 : 1e6 to 1 : 1e11 is the same sheet", "
     for (const Model& model : models()) {
       if (model.pillow.form == PillowForm::triangle || model.pillow.form == PillowForm::eccentricity) continue;
       INFO(name(model) << ", width " << width);
-      CHECK(distance(wrench(sheet(whole), oblique_straight, {}, model).total(), wrench(needles, oblique_straight, {}, model).total()) < 1e-13);
+      CHECK(distance(wrench(sheet(whole), oblique_straight, {}, model).total(), wrench(needles, oblique_straight, {}, model).total()) <
+            1e-13);
     }
   }
-  // A needle by itself: straight but for 1e-10, so that its outline has no corner to turn at. The pillow moves the force along it by less than its length.
+  // A needle by itself: straight but for 1e-10, so that its outline has no corner to turn at. The pillow moves the force along it by less
+  // than its length.
   const Surface needle = sheet({{{0, 0, 0}, {1, 0, 0}, {0.4, 1e-10, 0}}, {{0, 1, 2}}});
   REQUIRE(needle.size() == 1);
   for (const Model& model : models()) {
@@ -199,7 +206,8 @@ TEST_CASE("what is not a number is refused by name; without checks it passes thr
           }
   // It does pass through, and a sound input gives the bits it gives with checks.
   CHECK_FALSE(wrench(cube, {.wind = {1, 0, 0}}, {.density = not_a_number}, {.check = false}).total().force.allFinite());
-  CHECK(same_bits(wrench(cube, oblique, {}, {.law = closed_law()}).total(), wrench(cube, oblique, {}, {.law = closed_law(), .check = false}).total()));
+  CHECK(same_bits(wrench(cube, oblique, {}, {.law = closed_law()}).total(),
+                  wrench(cube, oblique, {}, {.law = closed_law(), .check = false}).total()));
   // The wrong number of winds would read beyond their end: refused even without checks.
   Motion motion = oblique;
   motion.triangle_wind = {winds.data(), 5};
@@ -247,7 +255,8 @@ TEST_CASE("one triangle has its closed-form force from every side, and none from
     const Surface triangle = sheet(mesh);
     const Vector3d centroid(2.0 / 3, 1.0 / 3, 0);  // it spins about itself: the air stands still at its centroid, to the bit
     const Wrench spun = wrench(triangle, {.angular_velocity = {1, 2, 3}, .reference_point = centroid}, {}, model).total();
-    const Wrench plain = reference::wrench(mesh, Surface::Sides::two, {.angular_velocity = {1, 2, 3}, .reference_point = centroid}, {}, model).total();
+    const Wrench plain =
+        reference::wrench(mesh, Surface::Sides::two, {.angular_velocity = {1, 2, 3}, .reference_point = centroid}, {}, model).total();
     INFO(name(model));
     CHECK(distance(spun, plain) < 1e-13);
     CHECK(spun.torque.dot(Vector3d(1, 2, 3)) < 0.0);
@@ -261,13 +270,14 @@ TEST_CASE("spin about the centroid of one of many triangles: fast and plain agre
     const Vector3d centroid = surface.centroid.row(2).matrix();
     const Motion motion{.angular_velocity = {1, 2, 3}, .reference_point = centroid};
     INFO(name(model));
-    CHECK(distance(wrench(surface, motion, {}, model).total(), reference::wrench(mesh, Surface::Sides::two, motion, {}, model).total()) < 1e-13);
+    CHECK(distance(wrench(surface, motion, {}, model).total(), reference::wrench(mesh, Surface::Sides::two, motion, {}, model).total()) <
+          1e-13);
   }
 }
 
 TEST_CASE("no force or torque jumps where a face is edge-on or normal to the flow to the last bit, or one bit beside it", "[hard][limit]") {
-  const Surface bodies[] = {sheet({{{0, 0, 0}, {2, 0, 0}, {0.3, 1, 0}}, {{0, 1, 2}}}), zoo::surface(Plate{1.3, 0.7, 0.05}, 1), zoo::surface(Box{}, 2),
-                            zoo::surface(Cylinder{0.8, 1.5}, 2), zoo::surface(Plate{1, 1, 0}, 2)};
+  const Surface bodies[] = {sheet({{{0, 0, 0}, {2, 0, 0}, {0.3, 1, 0}}, {{0, 1, 2}}}), zoo::surface(Plate{1.3, 0.7, 0.05}, 1),
+                            zoo::surface(Box{}, 2), zoo::surface(Cylinder{0.8, 1.5}, 2), zoo::surface(Plate{1, 1, 0}, 2)};
   double eccentric_jump = 0.0;
   for (const Surface& body : bodies)
     for (const Model& model : models())
@@ -276,7 +286,8 @@ TEST_CASE("no force or torque jumps where a face is edge-on or normal to the flo
           for (int other = 0; other < 3; ++other)
             for (const double beside : {denormal, -denormal, 1e-200, ulp, -ulp, 1e-15}) {
               if (other == axis) continue;
-              const Vector3d exact = sign * Vector3d::Unit(axis), near = exact + beside * Vector3d::Unit(other), nearer(exact * std::nextafter(1.0, 0.0));
+              const Vector3d exact = sign * Vector3d::Unit(axis), near = exact + beside * Vector3d::Unit(other),
+                             nearer(exact * std::nextafter(1.0, 0.0));
               const Wrench at = wrench(body, {.wind = exact}, {}, model).total(), next = wrench(body, {.wind = near}, {}, model).total();
               INFO(name(model) << ", axis " << axis << ", beside by " << beside << " along " << other);
               // At most 25 q A per radian, of the steepest law (test_property.cpp), times 1e-15; the rest is rounding.
@@ -285,13 +296,16 @@ TEST_CASE("no force or torque jumps where a face is edge-on or normal to the flo
               if (beside == ulp) CHECK(distance(at, wrench(body, {.wind = nearer}, {}, model).total()) < 1e-13);
               // The eccentricity form has a direction from 1e-14 on: documented to jump, and all others not to.
               const double step = distance(at, wrench(body, {.wind = exact + 1e-12 * Vector3d::Unit(other)}, {}, model).total());
-              if (model.pillow.form == PillowForm::eccentricity) eccentric_jump = std::max(eccentric_jump, step);
-              else CHECK(step < 1e-10);
+              if (model.pillow.form == PillowForm::eccentricity)
+                eccentric_jump = std::max(eccentric_jump, step);
+              else
+                CHECK(step < 1e-10);
             }
   CHECK(eccentric_jump > 0.01);
 }
 
-TEST_CASE("air at rest relative to the body, or slower than the square root of the least number, is no force and no trouble", "[hard][limit]") {
+TEST_CASE("air at rest relative to the body, or slower than the square root of the least number, is no force and no trouble",
+          "[hard][limit]") {
   const Surface bodies[] = {zoo::surface(Box{}, 1), zoo::surface(Sphere{}, 2), zoo::surface(Plate{1, 1, 0}, 1)};
   for (const Surface& body : bodies)
     for (Model model : models())
@@ -325,9 +339,11 @@ TEST_CASE("size, speed and density by powers of two scale force by rho L^2 U^2 a
       model.quadrature = random.uniform(0, 1) < 0.5 ? Quadrature::adaptive : Quadrature::six;
       Motion motion = random.motion(1.0, 1.0);
       motion.wind_gradient = 0.3 * random.rotation();
-      Motion scaled{U * motion.wind, U * motion.velocity, U / L * motion.angular_velocity, L * motion.reference_point, U / L * motion.wind_gradient};
+      Motion scaled{U * motion.wind, U * motion.velocity, U / L * motion.angular_velocity, L * motion.reference_point,
+                    U / L * motion.wind_gradient};
       const Surface large(transformed(mesh, L * Matrix3d::Identity(), Vector3d::Zero()), zoo::sides_of(shape));
-      const Wrench one = wrench(unit, motion, {.density = 1.0}, model).total(), other = wrench(large, scaled, {.density = rho}, model).total();
+      const Wrench one = wrench(unit, motion, {.density = 1.0}, model).total(),
+                   other = wrench(large, scaled, {.density = rho}, model).total();
       INFO(name(model) << ", L " << L << ", U " << U << ", rho " << rho);
       CHECK(same_bits({one.force * (rho * L * L * U * U), one.torque * (rho * L * L * L * U * U)}, other));
       CHECK(large.body_class == unit.body_class);
@@ -364,7 +380,8 @@ TEST_CASE("a plate that spins about its normal feels friction and nothing else",
     INFO(name(model));
     CHECK(felt.force.norm() < 1e-15);
     CHECK(felt.torque.head<2>().norm() < 1e-15);
-    CHECK_THAT(felt.torque.z(), WithinRel(-2.0 * model.law.friction * 49.0 * integral, 1e-4));  // 1/1024 of curvature at three points a triangle
+    CHECK_THAT(felt.torque.z(),
+               WithinRel(-2.0 * model.law.friction * 49.0 * integral, 1e-4));  // 1/1024 of curvature at three points a triangle
     if (model.law.friction == 0.0) CHECK(felt.torque.z() == 0.0);
   }
   for (const double thickness : {1e-2, 1e-4, 1e-6}) {
@@ -390,14 +407,16 @@ TEST_CASE("ten kilometres from the origin a body is what it is at the origin", "
       const Wrench a = wrench(here, motion, {}, model).total(), b = wrench(there, moved, {}, model).total();
       CHECK(distance(a, b) < 1e-9);  // double: 2e-12 m of rounding, times 1/width of the narrowest triangle, 20, times the law's slopes
 
-      // Single: 2^-11 m of rounding per coordinate, d = sqrt(3) 2^-11 m per corner. An area vector A n changes by at most (|AB| + |AC|) d, and the force of
-      // its triangle by (C + |C'|) times that: at most 8 for the laws without pushing terms (consistent: 1 + 2; both sides; pillow and spin add arms).
+      // Single: 2^-11 m of rounding per coordinate, d = sqrt(3) 2^-11 m per corner. An area vector A n changes by at most (|AB| + |AC|) d,
+      // and the force of its triangle by (C + |C'|) times that: at most 8 for the laws without pushing terms (consistent: 1 + 2; both
+      // sides; pillow and spin add arms).
       const Wrench c = wrench(coarse, moved, {}, model).total();
       double edges = 0.0;
       for (Eigen::Index i = 0; i < here.size(); ++i) edges += here.edge_ab.row(i).matrix().norm() + here.edge_ac.row(i).matrix().norm();
       const double bound = 0.5 * 1.225 * 4.0 * 8.0 * edges * std::sqrt(3.0) * std::ldexp(1.0, -11);
       CHECK((a.force - c.force).norm() < bound);
-      CHECK((a.torque - c.torque).norm() < 2.0 * bound + 0.1 * a.force.norm());  // faces fall apart into patches of one triangle each: the pillow is shorter
+      CHECK((a.torque - c.torque).norm() <
+            2.0 * bound + 0.1 * a.force.norm());  // faces fall apart into patches of one triangle each: the pillow is shorter
     }
   }
 }
@@ -442,9 +461,9 @@ TEST_CASE("a cone as slender as a hair or as flat as a disc has the force of its
       if (model.law.name != "note") continue;
       const double front = wrench(cone, {.wind = {1, 0, 0}}, {.density = 2.0}, model).total().force.x();
       const double back = wrench(cone, {.wind = {-1, 0, 0}}, {.density = 2.0}, model).total().force.x();
-      CHECK_THAT(back, WithinRel(-base, 1e-12));  // a disc
-      if (half < 0.1) CHECK_THAT(front, WithinAbs(0.0, 2.0 * half * half));     // sin^2 (2 - sin)
-      if (half > 1.5) CHECK_THAT(front, WithinRel(base, 3e-6));  // d/dc of c^2 (2 - c) is 1 at c = 1, and c is 1 - 5e-7
+      CHECK_THAT(back, WithinRel(-base, 1e-12));                             // a disc
+      if (half < 0.1) CHECK_THAT(front, WithinAbs(0.0, 2.0 * half * half));  // sin^2 (2 - sin)
+      if (half > 1.5) CHECK_THAT(front, WithinRel(base, 3e-6));              // d/dc of c^2 (2 - c) is 1 at c = 1, and c is 1 - 5e-7
     }
 }
 
@@ -452,7 +471,8 @@ TEST_CASE("mirrored and negative scales through transformed() are the bodies the
   const TriangleMesh unit = triangulate(Box{}, 2);
   for (const Vector3d& scale : {Vector3d(-2, 1, 0.5), Vector3d(2, -1, 0.5), Vector3d(-2, -1, -0.5), Vector3d(2, 1, 0.5)})
     for (const Model& model : models()) {
-      if (model.pillow.form == PillowForm::triangle || model.pillow.form == PillowForm::eccentricity) continue;  // diagonals run the other way
+      if (model.pillow.form == PillowForm::triangle || model.pillow.form == PillowForm::eccentricity)
+        continue;  // diagonals run the other way
       const Surface scaled(transformed(unit, scale.asDiagonal(), Vector3d::Zero())), box = zoo::surface(Box{2, 1, 0.5}, 2);
       INFO(name(model));
       CHECK_THAT(scaled.volume, WithinRel(1.0, 1e-13));
@@ -464,7 +484,11 @@ TEST_CASE("a body inside one cell of a grid, larger than it and on its edge feel
   const Surface body = zoo::surface(Box{0.2, 0.2, 0.2}, 2);
   for (const Outside outside : {Outside::zero, Outside::clamp})
     for (const Vector3i& points : {Vector3i(2, 2, 2), Vector3i(2, 1, 1), Vector3i(1, 1, 1)}) {
-      Grid grid{.points = points, .lower = {-0.5, -0.5, -0.5}, .upper = {0.5, 0.5, 0.5}, .values = Eigen::Matrix3Xd(3, points.prod()), .outside = outside};
+      Grid grid{.points = points,
+                .lower = {-0.5, -0.5, -0.5},
+                .upper = {0.5, 0.5, 0.5},
+                .values = Eigen::Matrix3Xd(3, points.prod()),
+                .outside = outside};
       for (int i = 0; i < points.prod(); ++i) grid.values.col(i) = Vector3d(3.0, 0.1 * i, -0.2 * i);
       const Wind wind({{.name = "cell", .field = std::make_shared<const GridField>(grid)}});
       for (const Vector3d& place : {Vector3d(0, 0, 0), Vector3d(0.5, 0, 0), Vector3d(0.5, 0.5, 0.5), Vector3d(9, 0, 0)})
@@ -532,8 +556,8 @@ std::vector<Light> light_bodies() {
 Vector6d six(const Vector3d& linear, const Vector3d& angular) { return (Vector6d() << linear, angular).finished(); }
 
 /// One step of one of the three updates of stepping.hpp.
-Vector6d stepped(int update, const Surface& surface, const MassProperties& body, const Motion& motion, const Model& model, const Vector6d& external,
-                 double dt) {
+Vector6d stepped(int update, const Surface& surface, const MassProperties& body, const Motion& motion, const Model& model,
+                 const Vector6d& external, double dt) {
   if (update == 0) return step_secant_implicit(resistance(surface, motion, {}, model), body, motion, external, dt);
   if (update == 1) return step_scalar_implicit(resistance(surface, motion, {}, model), body, motion, external, dt);
   const Wrench air = wrench(surface, motion, {}, model).total();
@@ -562,9 +586,11 @@ void never_gain_energy(unsigned steps_per_body) {
               Motion motion{.wind = random.vector(5.0), .velocity = random.vector(20.0), .angular_velocity = random.vector(60.0)};
               const Vector3d moments = light.body.inertia.diagonal();
               const auto energy = [&] {
-                return 0.5 * light.body.mass * (motion.velocity - motion.wind).squaredNorm() + 0.5 * motion.angular_velocity.cwiseAbs2().dot(moments);
+                return 0.5 * light.body.mass * (motion.velocity - motion.wind).squaredNorm() +
+                       0.5 * motion.angular_velocity.cwiseAbs2().dot(moments);
               };
-              // Rounding: of the solve, 1e-16 times 1e4 of stiffness and its terms; and of V = wind + what is left, one bit of the wind in each component.
+              // Rounding: of the solve, 1e-16 times 1e4 of stiffness and its terms; and of V = wind + what is left, one bit of the wind in
+              // each component.
               const double wind_bit = light.body.mass * (motion.wind.norm() + 1.0) * 1e-15;
               double before = energy();
               for (int step = 0; step < 20; ++step, ++steps) {
@@ -573,7 +599,8 @@ void never_gain_energy(unsigned steps_per_body) {
                 motion.angular_velocity = v.tail<3>();
                 const double after = energy();
                 if (!(after <= before * (1.0 + 1e-11) + wind_bit * std::sqrt(2.0 * before / light.body.mass) + wind_bit * 1e-15)) {
-                  INFO(light.name << ", " << name(model) << ", dt " << dt << ", update " << update << ", step " << step << ", seed " << seed);
+                  INFO(light.name << ", " << name(model) << ", dt " << dt << ", update " << update << ", step " << step << ", seed "
+                                  << seed);
                   REQUIRE(after <= before);
                 }
                 before = after;
@@ -585,27 +612,32 @@ void never_gain_energy(unsigned steps_per_body) {
 
 }  // namespace
 
-TEST_CASE("paper, leaf, foam and steel never gain energy from a uniform wind, under every law, pillow, update and step: a million steps", "[hard][energy]") {
+TEST_CASE("paper, leaf, foam and steel never gain energy from a uniform wind, under every law, pillow, update and step: a million steps",
+          "[hard][energy]") {
   never_gain_energy(250'000 / (hostile::sanitizer_divisor * hostile::sanitizer_divisor));
 }
 
 TEST_CASE("the same over a million steps of each body", "[.long][energy]") { never_gain_energy(1'000'000); }
 
-TEST_CASE("terminal velocity under gravity is a fixed point of the implicit updates to rounding, under every law and step", "[hard][energy]") {
+TEST_CASE("terminal velocity under gravity is a fixed point of the implicit updates to rounding, under every law and step",
+          "[hard][energy]") {
   for (const Light& light : light_bodies()) {
     const Surface surface = zoo::surface(light.shape, 2);
     for (const Model& model : models()) {
       if (model.pillow.form == PillowForm::eccentricity) continue;  // its across part is a torque even face-on: not an equilibrium
       // Face-on, where forces are square in speed whatever the law.
-      const double drag = -wrench(surface, {.velocity = {0, 0, 1}}, {}, model).total().force.z(), g = 9.81, v = std::sqrt(light.body.mass * g / drag);
+      const double drag = -wrench(surface, {.velocity = {0, 0, 1}}, {}, model).total().force.z(), g = 9.81,
+                   v = std::sqrt(light.body.mass * g / drag);
       const Motion motion{.wind = {3, -1, 2}, .velocity = Vector3d(3, -1, 2 - v)};
       const Vector6d weight = six({0, 0, -light.body.mass * g}, Vector3d::Zero());
       const Matrix6d S = resistance(surface, motion, {}, model);
       for (const double dt : {1.0 / 240, 1.0 / 60, 0.1, 1.0, 10.0, 100.0}) {
         INFO(light.name << ", " << name(model) << ", dt " << dt);
         // Rounding times the ratio of angular and linear parts of M + dt S in SI units, up to 1e3.
-        CHECK((step_secant_implicit(S, light.body, motion, weight, dt) - six(motion.velocity, Vector3d::Zero())).norm() < 1e-12 * (v + 4.0));
-        CHECK((step_scalar_implicit(S, light.body, motion, weight, dt) - six(motion.velocity, Vector3d::Zero())).norm() < 1e-12 * (v + 4.0));
+        CHECK((step_secant_implicit(S, light.body, motion, weight, dt) - six(motion.velocity, Vector3d::Zero())).norm() <
+              1e-12 * (v + 4.0));
+        CHECK((step_scalar_implicit(S, light.body, motion, weight, dt) - six(motion.velocity, Vector3d::Zero())).norm() <
+              1e-12 * (v + 4.0));
       }
     }
   }
@@ -654,7 +686,8 @@ TEST_CASE("the Jacobian is the derivative by spin where there is no spin yet, an
             return six(w.force, w.torque);
           };
           INFO(kind(shape) << ", " << law.name << ", points " << static_cast<int>(order));
-          CHECK(((turned(step) - turned(-step)) / (2 * step) - jacobian.col(3 + k)).norm() < 1e-6 * (1.0 + jacobian.norm()));  // as in test_stepping.cpp
+          CHECK(((turned(step) - turned(-step)) / (2 * step) - jacobian.col(3 + k)).norm() <
+                1e-6 * (1.0 + jacobian.norm()));  // as in test_stepping.cpp
         }
         // The secant matrix does not jump either as a spin begins: of order omega a / V.
         Motion begun = motion;
@@ -681,7 +714,9 @@ TEST_CASE("in a wind that varies the secant matrix stays of the size of the drag
       // q A C/U: 0.6 * 6 m^2 * 2 * 10 m/s, arms of 2 m squared.
       CHECK(S.norm() < 500.0);
       const Vector6d left = wind_excess(total, S, motion);
-      CHECK((S * (six(motion.wind, Vector3d::Zero()) - six(motion.velocity, motion.angular_velocity)) + left - six(total.force, total.torque)).norm() < 1e-11);
+      CHECK(
+          (S * (six(motion.wind, Vector3d::Zero()) - six(motion.velocity, motion.angular_velocity)) + left - six(total.force, total.torque))
+              .norm() < 1e-11);
       // Masked spin: what is felt is S times the velocity without it.
       Motion spinning{.wind = {5, 0, 0}, .velocity = random.vector(3.0), .angular_velocity = random.vector(100.0)};
       const Model unspun{.law = closed_law(), .pillow = pillow, .effects = Effects::all().without(Effect::spin)};
@@ -701,14 +736,16 @@ TEST_CASE("the share of an impulse is from 0 to 1 for impulses as small and as l
         INFO("size " << size << ", dt " << dt << ", sign " << sign);
         // work = 6 size dt, growth = 1010 (size dt)^2: all of it, none or their ratio.
         const double ratio = 6.0 / 1010.0 / size / dt;
-        CHECK_THAT(share, WithinRel(sign > 0.0 ? 0.0 : std::min(1.0, ratio), 1e-12) || WithinAbs(sign > 0.0 ? 0.0 : std::min(1.0, ratio), 1e-300));
+        CHECK_THAT(share,
+                   WithinRel(sign > 0.0 ? 0.0 : std::min(1.0, ratio), 1e-12) || WithinAbs(sign > 0.0 ? 0.0 : std::min(1.0, ratio), 1e-300));
       }
 }
 
 TEST_CASE("a step too long for numbers ends at rest in the air or is refused, never at a velocity that is none", "[hard][energy]") {
   const Matrix6d stiff = 1e250 * Matrix6d::Identity();
   const MassProperties unit{.mass = 1.0, .inertia = Matrix3d::Identity()};
-  for (const double dt : {1e-200, 1e50, 1e100}) CHECK(step_secant_implicit(stiff, unit, {.velocity = {1, 2, 3}}, Vector6d::Zero(), dt).norm() < 1e-40);
+  for (const double dt : {1e-200, 1e50, 1e100})
+    CHECK(step_secant_implicit(stiff, unit, {.velocity = {1, 2, 3}}, Vector6d::Zero(), dt).norm() < 1e-40);
   const Vector6d push = Vector6d::Constant(1e200);
   CHECK_THROWS_WITH(step_secant_implicit(Matrix6d::Zero(), unit, {}, push, 1e200), Catch::Contains("not finite"));
   CHECK_THROWS_WITH(step_scalar_implicit(Matrix6d::Zero(), unit, {}, push, 1e200), Catch::Contains("not finite"));

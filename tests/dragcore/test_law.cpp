@@ -55,7 +55,8 @@ TEST_CASE("drag of round shapes converges to its exact value with second order",
     Pose pose;
     double area, exact;
   };
-  // Sphere: 2 int c^3 (2 - c) c dc ... = 3/5. Cone of 60 degrees: c = sin 30 on the whole side. Cylinder across the flow: int c^4... = 4/3 - 3 pi/16.
+  // Sphere: 2 int c^3 (2 - c) c dc ... = 3/5. Cone of 60 degrees: c = sin 30 on the whole side. Cylinder across the flow: int c^4... = 4/3
+  // - 3 pi/16.
   const Case cases[] = {{Sphere{1.0}, {}, pi / 4, 0.6},
                         {Cone{1.0, pi / 3}, {}, pi / 4, 0.375},
                         {Cone{1.0, pi / 3}, {.incidence = pi}, pi / 4, 1.0},
@@ -63,7 +64,8 @@ TEST_CASE("drag of round shapes converges to its exact value with second order",
                         {Ellipsoid{0.5, 0.5, 0.5}, {.incidence = 0.3, .yaw = 0.2}, pi / 4, 0.6}};
   for (const Case& test : cases) {
     double error[2];
-    for (int level = 0; level < 2; ++level) error[level] = std::abs(coefficient(test.shape, 16 << level, test.pose, test.area).x() - test.exact);
+    for (int level = 0; level < 2; ++level)
+      error[level] = std::abs(coefficient(test.shape, 16 << level, test.pose, test.area).x() - test.exact);
     INFO(kind(test.shape) << ": errors " << error[0] << ", " << error[1]);
     CHECK(error[1] < 2e-3);
     CHECK_THAT(std::log2(error[0] / error[1]), WithinAbs(2.0, 0.15));  // the next term is smaller by 1/16^2 times a constant of order 10
@@ -76,11 +78,14 @@ TEST_CASE("leeward faces feel no windward pressure, so that winding matters", "[
   // One-sided triangles turned away from the wind are not there.
   TriangleMesh sheet = triangulate(Plate{1.0, 1.0, 0.0}, 2);
   CHECK(wrench(Surface(sheet, Surface::Sides::one), {.wind = Vector3d(0, 0, 1)}, {}, {}).total().force.isZero(0.0));
-  CHECK(wrench(Surface(sheet, Surface::Sides::one), {.wind = Vector3d(0, 0, -1)}, {.density = 2.0}, {}).total().force.isApprox(Vector3d(0, 0, -1), 1e-14));
+  CHECK(wrench(Surface(sheet, Surface::Sides::one), {.wind = Vector3d(0, 0, -1)}, {.density = 2.0}, {})
+            .total()
+            .force.isApprox(Vector3d(0, 0, -1), 1e-14));
 }
 
 TEST_CASE("base suction pulls leeward faces downstream and is kept apart", "[law][sign]") {
-  const WrenchByTerm parts = wrench(zoo::surface(Box{1, 1, 1}, 2), {.wind = Vector3d(1, 0, 0)}, {.density = 2.0}, {.law = scaled_law(0.75, 0.3)});
+  const WrenchByTerm parts =
+      wrench(zoo::surface(Box{1, 1, 1}, 2), {.wind = Vector3d(1, 0, 0)}, {.density = 2.0}, {.law = scaled_law(0.75, 0.3)});
   CHECK_THAT(parts[Term::windward_pressure].force.x(), WithinAbs(0.75, 1e-14));
   CHECK_THAT(parts[Term::leeward_suction].force.x(), WithinAbs(0.3, 1e-14));
   CHECK_THAT(parts.total().force.x(), WithinAbs(1.05, 1e-14));
@@ -108,8 +113,15 @@ Eigen::Vector3d cube_force(const Law& law, double yaw, Term term) {
 }  // namespace
 
 TEST_CASE("each term of the laws by class is its formula on a cube", "[law][analytic]") {
-  Law law{.name = "terms", .windward = {0.0, 0.0, 2.0, -1.0, 0.0}, .friction = 0.01, .base_suction = 0.4, .base_edge = 0.25, .recovery = 0.5, .recovery_depth = 2.0,
-          .recovery_edge = 0.2, .shelter = 1.5};
+  Law law{.name = "terms",
+          .windward = {0.0, 0.0, 2.0, -1.0, 0.0},
+          .friction = 0.01,
+          .base_suction = 0.4,
+          .base_edge = 0.25,
+          .recovery = 0.5,
+          .recovery_depth = 2.0,
+          .recovery_edge = 0.2,
+          .shelter = 1.5};
   const double yaw = 0.4, c = std::cos(yaw), s = std::sin(yaw);
   // Descriptors by hand: two windward faces of unit area with cosines c and s.
   const double frontal = c + s, depth = std::pow(frontal, -1.5), M = (std::pow(c, 5) + std::pow(s, 5)) / frontal, k = std::pow(M, 0.25);
@@ -127,7 +139,8 @@ TEST_CASE("each term of the laws by class is its formula on a cube", "[law][anal
   CHECK_THAT(cube_force(law, yaw, Term::base_suction).x(), WithinAbs(shelter(c) * base(c), rounding));
   CHECK_THAT(cube_force(law, yaw, Term::base_suction).y(), WithinAbs(shelter(s) * base(s), rounding));
   const double push = 0.4 * 0.5 * depth / (depth + 2.0);
-  CHECK_THAT(cube_force(law, yaw, Term::rear_recovery).x(), WithinAbs(-push * saturating(c, 0.2), 1e-3 * push));  // the energy guard takes its 1e-3 at most here
+  CHECK_THAT(cube_force(law, yaw, Term::rear_recovery).x(),
+             WithinAbs(-push * saturating(c, 0.2), 1e-3 * push));  // the energy guard takes its 1e-3 at most here
   CHECK_THAT(cube_force(law, yaw, Term::rear_recovery).y(), WithinAbs(-push * saturating(s, 0.2), 1e-3 * push));
   // Friction along the flow: f t^2 on every face, t the tangential fraction: 2 s^2 + 2 c^2 + 2 faces.
   const Eigen::Vector3d friction = cube_force(law, yaw, Term::friction);
@@ -143,7 +156,8 @@ TEST_CASE("curvature sucks on the windward side of a ball and leaves flat faces 
   CHECK(ball[Term::curvature].force.x() < -0.05);
   CHECK(ball.total().force.x() > 0.0);
   const WrenchByTerm cone = wrench(zoo::surface(Cone{}, 16), {.wind = {1.0, 0.0, 0.0}}, {.density = 2.0}, {.law = law});
-  CHECK(std::abs(cone[Term::curvature].force.x()) < 1e-4);  // along the generators, which are straight, but for half a facet of 1/64 turn, squared twice
+  CHECK(std::abs(cone[Term::curvature].force.x()) <
+        1e-4);  // along the generators, which are straight, but for half a facet of 1/64 turn, squared twice
 }
 
 TEST_CASE("what pushes a body through the air is held below what the air takes", "[law][limit]") {
@@ -158,7 +172,8 @@ TEST_CASE("what pushes a body through the air is held below what the air takes",
     CHECK(parts.total().force.x() > 0.0);
   }
   // Ordinary laws do not notice the guard: 1e-3 of the recovery of a cube.
-  const double recovered = -cube_force(closed_law(), 0.0, Term::rear_recovery).x(), full = closed_law().base_suction / (1.0 + closed_law().recovery_depth);
+  const double recovered = -cube_force(closed_law(), 0.0, Term::rear_recovery).x(),
+               full = closed_law().base_suction / (1.0 + closed_law().recovery_depth);
   CHECK_THAT(recovered, WithinRel(full, 1e-3));
 }
 

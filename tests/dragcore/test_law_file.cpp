@@ -1,8 +1,8 @@
-#include <dragcore/law_file.hpp>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <cstring>
+#include <dragcore/law_file.hpp>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -40,7 +40,8 @@ bool same_bits(const Law& a, const Law& b) {
 
 }  // namespace
 
-TEST_CASE("each law that is shipped as a file is the built-in law of its name, to the bit, and says where it comes from", "[dragcore][law_file][regression]") {
+TEST_CASE("each law that is shipped as a file is the built-in law of its name, to the bit, and says where it comes from",
+          "[dragcore][law_file][regression]") {
   int files = 0;
   for (const auto& entry : fs::directory_iterator(LAWS_FOLDER)) files += entry.path().extension() == ".toml";
   CHECK(files == static_cast<int>(law_names().size()));
@@ -81,10 +82,12 @@ TEST_CASE("a law written to a file comes back to the bit", "[dragcore][law_file]
                 .aspect_gain = 999999.99999999988,
                 .aspect_scale = 24.000000000000004,
                 .recovery = 0.99999999999999989};
-  check_round_trip({odd,
-                    {{"plain-key_1", "two\nlines, a quote \", a backslash \\, the control characters \x01 and \x7f, \xC3\xBC, \xE2\x86\x92, \xF0\x9F\x8C\xAC"},
-                     {"", "no key"},
-                     {"a b.c", ""}}});
+  check_round_trip(
+      {odd,
+       {{"plain-key_1",
+         "two\nlines, a quote \", a backslash \\, the control characters \x01 and \x7f, \xC3\xBC, \xE2\x86\x92, \xF0\x9F\x8C\xAC"},
+        {"", "no key"},
+        {"a b.c", ""}}});
 
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit;
@@ -92,8 +95,8 @@ TEST_CASE("a law written to a file comes back to the bit", "[dragcore][law_file]
     Law law{.name = "random"};
     for (Law::Polynomial* p : {&law.windward, &law.leeward})
       for (double& x : *p) x = unit(random) - 0.5;
-    for (double* x : {&law.friction, &law.base_suction, &law.base_edge, &law.aspect_gain, &law.aspect_scale, &law.recovery, &law.recovery_depth,
-                      &law.recovery_edge, &law.shelter, &law.curvature})
+    for (double* x : {&law.friction, &law.base_suction, &law.base_edge, &law.aspect_gain, &law.aspect_scale, &law.recovery,
+                      &law.recovery_depth, &law.recovery_edge, &law.shelter, &law.curvature})
       *x = unit(random);
     check_round_trip({law, {}});
   }
@@ -104,7 +107,8 @@ TEST_CASE("a law file holds what differs from the defaults, one key per line", "
   const Folder folder;
   write_law(folder.path / "plate.toml", {{.name = "plate", .windward = {0, 1.98, -0.78, 0, 0}, .friction = 0.022}, {{"source", "here"}}});
   CHECK(contents(folder.path / "plate.toml") ==
-        "name = \"plate\"\nwindward = [0.0, 1.98, -0.78, 0.0, 0.0]  # of 1, c, c^2, c^3, c^4\nfriction = 0.022\n\n[provenance]\nsource = \"here\"\n");
+        "name = \"plate\"\nwindward = [0.0, 1.98, -0.78, 0.0, 0.0]  # of 1, c, c^2, c^3, c^4\nfriction = 0.022\n\n[provenance]\nsource = "
+        "\"here\"\n");
   // What is left out keeps its default; whole numbers are numbers.
   Law expected{.name = "bare", .windward = {0, 0, 2, -1, 0}};
   expected.recovery = 1.0;
@@ -150,14 +154,18 @@ TEST_CASE("a law file with a fault is refused with file, line, column, value fou
   refused("name = '\xff'", "line 1, column 9", "not an ASCII character");
   // What toml++ 3.3 does not expect: found by tests/fuzz.
   refused("\xEF\xBB\xBF\xEF\xAF\xAF = 1", "line 1, column 1", "not an ASCII character");
-  refused("name = 'x'\nfriction = 2020-01-01T\x14" "00:00:00", "is not TOML", "date or time");
+  refused(
+      "name = 'x'\nfriction = 2020-01-01T\x14"
+      "00:00:00",
+      "is not TOML", "date or time");
   refused("name = 'x'\nleeward = " + std::string(5000, '['), "line 2", "is not TOML");
   refused("name = 'x'\n" + std::string(1'000'000, '#'), "has 1000011 bytes", "another kind of file");
 
   const Folder folder;
   CHECK_THROWS_WITH(read_law(folder.path / "none.toml"), Contains("none.toml: no such file"));
   CHECK_THROWS_WITH(read_law(folder.path), Contains("no such file"));
-  CHECK_THROWS_WITH(read_law(folder.write("bad.toml", "name = 'x'\nfriction = -1")), Contains("bad.toml: line 2, column 12: law 'x': friction = -1"));
+  CHECK_THROWS_WITH(read_law(folder.write("bad.toml", "name = 'x'\nfriction = -1")),
+                    Contains("bad.toml: line 2, column 12: law 'x': friction = -1"));
 }
 
 TEST_CASE("a law that could not be read again is not written", "[dragcore][law_file][hard]") {

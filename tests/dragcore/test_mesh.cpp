@@ -60,7 +60,8 @@ TEST_CASE("a sheet feels the air on both sides and a body on its outer one, foun
   CHECK(inspect(box).hole_area == 0.0);
   CHECK(sides(TriangleMesh{}) == Surface::Sides::one);
   // What matters: a sheet feels the wind whichever way it is wound.
-  const Wrench front = wrench(Surface(sheet), {.wind = {0, 0, 1}}, {}, {}).total(), back = wrench(Surface(sheet), {.wind = {0, 0, -1}}, {}, {}).total();
+  const Wrench front = wrench(Surface(sheet), {.wind = {0, 0, 1}}, {}, {}).total(),
+               back = wrench(Surface(sheet), {.wind = {0, 0, -1}}, {}, {}).total();
   CHECK_THAT(front.force.z(), WithinRel(0.5 * 1.225, 1e-14));
   CHECK(back.force == -front.force);
 

@@ -58,9 +58,10 @@ TEST_CASE("a mesh comes back from STL and OBJ files with its area, volume and to
 
 TEST_CASE("polygons of an OBJ file are split and its unit is honoured", "[mesh][io]") {
   const Folder folder;
-  const auto file = folder.write("cube.obj",
-                                 "v 0 0 0\nv 1000 0 0\nv 1000 1000 0\nv 0 1000 0\nv 0 0 1000\nv 1000 0 1000\nv 1000 1000 1000\nv 0 1000 1000\n"
-                                 "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
+  const auto file =
+      folder.write("cube.obj",
+                   "v 0 0 0\nv 1000 0 0\nv 1000 1000 0\nv 0 1000 0\nv 0 0 1000\nv 1000 0 1000\nv 1000 1000 1000\nv 0 1000 1000\n"
+                   "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
   const MeshProperties found = inspect(read_mesh(file, 0.001));
   CHECK(found.triangles == 12);
   CHECK(found.closed);
@@ -115,9 +116,9 @@ TEST_CASE("of an OBJ file only vertices and faces count, however they are writte
   const auto area = [&](const std::string& text) { return inspect(read_mesh(folder.write("face.obj", text))).area; };
   const std::string corners = "v 0 0 0\nv 2 0 0\nv 0 2 0\n";
   for (const std::string& text : {corners + "f 1 2 3", corners + "f -3 -2 -1\r\n", "f 1 2 3\n" + corners, corners + "f 1 \\\n 2 \\\r\n3\n",
-                                 corners + "vt 0 0\nvn 0 0 1\no thing\ng a b\nusemtl red\ns off\nf 1/1/1 2//1 3/1\nl 1 2 3\np 1\nf 1 2\n",
-                                 std::string("# comment\nv 0 0 0 1 0 0\nv +2.0e0 0 0 0.5 1 1\n\tv 0 2 0 0 0 1\nf 1 2 3"),  // colours
-                                 std::string("v 0 0 0 1\nv 4 0 0 2\nv 0 1 0 0.5\nf 1 2 3")}) {                      // weights
+                                  corners + "vt 0 0\nvn 0 0 1\no thing\ng a b\nusemtl red\ns off\nf 1/1/1 2//1 3/1\nl 1 2 3\np 1\nf 1 2\n",
+                                  std::string("# comment\nv 0 0 0 1 0 0\nv +2.0e0 0 0 0.5 1 1\n\tv 0 2 0 0 0 1\nf 1 2 3"),  // colours
+                                  std::string("v 0 0 0 1\nv 4 0 0 2\nv 0 1 0 0.5\nf 1 2 3")}) {                             // weights
     INFO(text);
     CHECK(area(text) == 2.0);
   }
@@ -138,12 +139,14 @@ TEST_CASE("a polygon of an OBJ file has its area once it is split, convex or not
     double area;
   };
   std::vector<Eigen::Vector3d> star;  // corners 2 and 1 from the middle by turns: ten triangles of sin 36 deg
-  for (int i = 0; i < 10; ++i) star.emplace_back((2 - i % 2) * std::cos(i * std::numbers::pi / 5), (2 - i % 2) * std::sin(i * std::numbers::pi / 5), 0.0);
-  const Case cases[] = {{{{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}}, 4.0},
-                        {{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}}, 3.0},  // an L: its inner corner lies on a diagonal
-                        {{{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1, 1, 0}, {0, 2, 0}}, 3.0},             // a square with a notch to its middle
-                        {{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}}, 4.0},             // a corner that is none
-                        {star, 10 * std::sin(36 * std::numbers::pi / 180)}};
+  for (int i = 0; i < 10; ++i)
+    star.emplace_back((2 - i % 2) * std::cos(i * std::numbers::pi / 5), (2 - i % 2) * std::sin(i * std::numbers::pi / 5), 0.0);
+  const Case cases[] = {
+      {{{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}}, 4.0},
+      {{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}}, 3.0},  // an L: its inner corner lies on a diagonal
+      {{{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1, 1, 0}, {0, 2, 0}}, 3.0},             // a square with a notch to its middle
+      {{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}}, 4.0},             // a corner that is none
+      {star, 10 * std::sin(36 * std::numbers::pi / 180)}};
   zoo::Random random(11);
   for (const Case& test : cases) {
     std::vector<Eigen::Vector3d> corners = test.corners;
@@ -162,7 +165,8 @@ TEST_CASE("a polygon of an OBJ file has its area once it is split, convex or not
   CHECK(read({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, Eigen::Matrix3d::Identity()).area == 0.0);
 }
 
-TEST_CASE("an OBJ file whose numbers do not fit each other is refused with line, value found and value needed", "[mesh][io][hard][regression]") {
+TEST_CASE("an OBJ file whose numbers do not fit each other is refused with line, value found and value needed",
+          "[mesh][io][hard][regression]") {
   const Folder folder;
   const auto refused = [&](const std::string& text, const std::string& what) {
     INFO(text);

@@ -34,7 +34,8 @@ Eigen::Vector2d sliced_force_point(double beta, double h_b, double h_c, double a
   const auto middle = [&](double s) { return s * h_c + 0.5 * thickness(s); };
   const auto both = [&](const std::function<double(double)>& g) { return integrate(0, beta, g) + integrate(beta, 1, g); };
   const double area = both([&](double s) { return f(s) * thickness(s); });
-  return {both([&](double s) { return f(s) * thickness(s) * s; }) / area, both([&](double s) { return f(s) * thickness(s) * middle(s); }) / area};
+  return {both([&](double s) { return f(s) * thickness(s) * s; }) / area,
+          both([&](double s) { return f(s) * thickness(s) * middle(s); }) / area};
 }
 
 Surface square_sheet(int divisions) { return Surface(triangulate(Plate{1.0, 1.0, 0.0}, divisions), Surface::Sides::two); }
@@ -76,8 +77,9 @@ TEST_CASE("the note's closed form for the distance along the flow agrees, the on
   for (const double b : {0.2, 0.5, 0.7})
     for (const double p : {0.4, 1.0}) {
       const double S = std::sqrt(1 - b * b);
-      const double printed = (2 * b * b * b * (p * (S - 2) + 2) + b * (p * (4 - 5 * S) - 4) + 3 * p * (b - 1) * std::asin(b) + 3 * b * p * std::acos(b)) /
-                             (4 * (b * b * (p * (S - 3) + 3) + b * (5 * p - 3) - 3 * b * p * std::acos(b) + 2 * p * (S - 1)));
+      const double printed =
+          (2 * b * b * b * (p * (S - 2) + 2) + b * (p * (4 - 5 * S) - 4) + 3 * p * (b - 1) * std::asin(b) + 3 * b * p * std::acos(b)) /
+          (4 * (b * b * (p * (S - 3) + 3) + b * (5 * p - 3) - 3 * b * p * std::acos(b) + 2 * p * (S - 1)));
       const Vector3d weights = triangle_pillow_weights(b, p);
       CHECK_THAT(weights[1] * b + weights[2], WithinAbs(printed, 1e-12));
     }
@@ -128,8 +130,8 @@ TEST_CASE("the centre of pressure of the patch forms does not know the triangula
     for (const int divisions : {2, 10, 100}) {  // 8, 200, 20,000 triangles
       const Wrench fine = wrench(square_sheet(divisions), motion, {}, model).total();
       CHECK((fine.force - coarse.force).norm() < 1e-12 * coarse.force.norm());
-      CHECK((fine.torque - coarse.torque).norm() < 1e-6 * coarse.force.norm());  // asked for: 1e-6 of the chord, which is 1
-      CHECK((fine.torque - coarse.torque).norm() < 1e-11 * coarse.force.norm()); // reached: rounding of sums over 20,000 triangles
+      CHECK((fine.torque - coarse.torque).norm() < 1e-6 * coarse.force.norm());   // asked for: 1e-6 of the chord, which is 1
+      CHECK((fine.torque - coarse.torque).norm() < 1e-11 * coarse.force.norm());  // reached: rounding of sums over 20,000 triangles
     }
   }
 }
@@ -166,7 +168,8 @@ TEST_CASE("the torque goes smoothly through normal incidence", "[pillow][limit]"
     double previous = 0.0;
     for (int step = -200; step <= 200; ++step) {
       const double angle = step * 1e-4;
-      const Wrench total = wrench(sheet, {.wind = Vector3d(std::sin(angle), 0, -std::cos(angle))}, {.density = 2.0}, {.pillow = {form, 1.0}}).total();
+      const Wrench total =
+          wrench(sheet, {.wind = Vector3d(std::sin(angle), 0, -std::cos(angle))}, {.density = 2.0}, {.pillow = {form, 1.0}}).total();
       if (step > -200) CHECK(std::abs(total.torque.y() - previous) < 1e-4);  // slope at most 1 per radian: kappa / 6 and less
       previous = total.torque.y();
       if (step == 0) CHECK(std::abs(total.torque.y()) < 1e-15);
@@ -177,13 +180,15 @@ TEST_CASE("the torque goes smoothly through normal incidence", "[pillow][limit]"
 TEST_CASE("nose-up torque on a plate at small incidence: the force acts ahead of the middle", "[pillow][sign]") {
   const Pose pose{.incidence = 20 * pi / 180};
   for (const PillowForm form : {PillowForm::triangle, PillowForm::patch, PillowForm::tilt}) {
-    const Wrench total = wrench(square_sheet(2), {.wind = pose.rotation().transpose() * Vector3d(1, 0, 0)}, {}, {.pillow = {form, 0.8}}).total();
+    const Wrench total =
+        wrench(square_sheet(2), {.wind = pose.rotation().transpose() * Vector3d(1, 0, 0)}, {}, {.pillow = {form, 0.8}}).total();
     CHECK(total.torque.y() > 0.0);
   }
 }
 
 TEST_CASE("pillow forms go by their names", "[pillow]") {
-  for (const PillowForm form : {PillowForm::none, PillowForm::triangle, PillowForm::patch, PillowForm::tilt}) CHECK(pillow_form_from(to_string(form)) == form);
+  for (const PillowForm form : {PillowForm::none, PillowForm::triangle, PillowForm::patch, PillowForm::tilt})
+    CHECK(pillow_form_from(to_string(form)) == form);
   CHECK_THROWS_WITH(pillow_form_from("cushion"), Catch::Contains("unknown pillow form 'cushion'") && Catch::Contains("tilt"));
 }
 
@@ -211,7 +216,8 @@ TEST_CASE("the linear falloff has its exact moments on triangles and patches, an
 
 TEST_CASE("the eccentricity variant moves the force sideways whatever its factor, as the note has it", "[pillow][regression]") {
   const Vector3d a(0, 0, 0), b(0.3, 0.8, 0), c(1, -0.1, 0), u(1, 0, -1);
-  const Vector3d none = eccentricity_pillow_shift(a, b, c, u, 0.0), full = eccentricity_pillow_shift(a, b, c, u, 1.0), exact = triangle_pillow_shift(a, b, c, u, 1.0);
+  const Vector3d none = eccentricity_pillow_shift(a, b, c, u, 0.0), full = eccentricity_pillow_shift(a, b, c, u, 1.0),
+                 exact = triangle_pillow_shift(a, b, c, u, 1.0);
   CHECK(none.x() == 0.0);
   CHECK(std::abs(none.y()) > 0.005);
   CHECK(full.y() == none.y());

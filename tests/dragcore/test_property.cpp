@@ -1,4 +1,5 @@
-// Properties that hold for every body, motion and law, tried on random ones: 100,000 in all. Each case has a seed of its own, which a failure names.
+// Properties that hold for every body, motion and law, tried on random ones: 100,000 in all. Each case has a seed of its own, which a
+// failure names.
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -31,10 +32,10 @@ class Worst {
   unsigned seed_ = 0;
 };
 
-#define CHECK_WORST(worst, bound)                                    \
-  do {                                                               \
+#define CHECK_WORST(worst, bound)                                       \
+  do {                                                                  \
     INFO("largest " << (worst).value() << ", seed " << (worst).seed()); \
-    CHECK((worst).value() <= (bound));                               \
+    CHECK((worst).value() <= (bound));                                  \
   } while (false)
 
 Vector6d six(const Wrench& w) { return (Vector6d() << w.force, w.torque).finished(); }
@@ -69,8 +70,11 @@ TEST_CASE("on random bodies the fast wrench is the reference, the parts are the 
       for (Eigen::Index i = 0; i < surface.size(); ++i) winds.push_back(random.vector(10.0));
       motion.triangle_wind = winds;
     }
-    const double force = hostile::force_scale(surface, motion, 1.225) * strength(model.law) + 1e-300, arm = hostile::arm_scale(surface, motion);
-    const auto distance = [&](const Wrench& a, const Wrench& b) { return (a.force - b.force).norm() / force + (a.torque - b.torque).norm() / (force * arm); };
+    const double force = hostile::force_scale(surface, motion, 1.225) * strength(model.law) + 1e-300,
+                 arm = hostile::arm_scale(surface, motion);
+    const auto distance = [&](const Wrench& a, const Wrench& b) {
+      return (a.force - b.force).norm() / force + (a.torque - b.torque).norm() / (force * arm);
+    };
 
     const WrenchByTerm fast = wrench(surface, motion, {}, model), plain = reference::wrench(body.mesh, body.sides, motion, {}, model);
     const Wrench total = fast.total();
@@ -96,7 +100,8 @@ TEST_CASE("on random bodies the fast wrench is the reference, the parts are the 
     const Matrix6d scaled = unit.asDiagonal() * S * unit.asDiagonal();
     secant.see((unit.asDiagonal() * (S * velocity - six(total))).norm() / (force + scaled.norm() * speed), seed);
     REQUIRE((S - S.transpose()).cwiseAbs().maxCoeff() <= 1e-12 * S.cwiseAbs().maxCoeff());
-    negative.see(-Eigen::SelfAdjointEigenSolver<Matrix6d>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0] / (scaled.norm() + 1e-300), seed);
+    negative.see(-Eigen::SelfAdjointEigenSolver<Matrix6d>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0] / (scaled.norm() + 1e-300),
+                 seed);
   }
   CHECK_WORST(unlike_reference, 1e-11);
   CHECK_WORST(unlike_parts, 1e-13);
@@ -106,7 +111,8 @@ TEST_CASE("on random bodies the fast wrench is the reference, the parts are the 
   CHECK_WORST(negative, 1e-13);
 }
 
-TEST_CASE("turning or mirroring a random body and its motion turns or mirrors the wrench, and another torque point adds the lever", "[property][invariance]") {
+TEST_CASE("turning or mirroring a random body and its motion turns or mirrors the wrench, and another torque point adds the lever",
+          "[property][invariance]") {
   Worst turned, mirrored, moved;
   const Matrix3d mirror = Vector3d(1, -1, 1).asDiagonal();
   for (unsigned seed = 100'000; seed < 100'000 + 10'000 / hostile::sanitizer_divisor; ++seed) {
@@ -119,9 +125,13 @@ TEST_CASE("turning or mirroring a random body and its motion turns or mirrors th
     // A needle's normal has the rounding error of its edges, times length over width; ten near-cancelling sums of that.
     double needle = 1.0;
     for (Eigen::Index i = 0; i < surface.size(); ++i)
-      needle = std::max(needle, std::max(surface.edge_ab.row(i).matrix().squaredNorm(), surface.edge_ac.row(i).matrix().squaredNorm()) / surface.area[i]);
-    const double force = needle * (hostile::force_scale(surface, motion, 1.225) * strength(model.law) + 1e-300), arm = hostile::arm_scale(surface, motion);
-    const auto distance = [&](const Wrench& a, const Wrench& b) { return (a.force - b.force).norm() / force + (a.torque - b.torque).norm() / (force * arm); };
+      needle = std::max(
+          needle, std::max(surface.edge_ab.row(i).matrix().squaredNorm(), surface.edge_ac.row(i).matrix().squaredNorm()) / surface.area[i]);
+    const double force = needle * (hostile::force_scale(surface, motion, 1.225) * strength(model.law) + 1e-300),
+                 arm = hostile::arm_scale(surface, motion);
+    const auto distance = [&](const Wrench& a, const Wrench& b) {
+      return (a.force - b.force).norm() / force + (a.torque - b.torque).norm() / (force * arm);
+    };
     const Wrench before = wrench(surface, motion, {}, model).total();
 
     const Matrix3d R = random.rotation();
@@ -177,7 +187,8 @@ TEST_CASE("splitting the triangles of a random body that does not spin leaves th
     const hostile::Body body = hostile::body(random, false);
     Model model = hostile::model(random, seed % 3 == 0, true);
     model.effects = model.effects.without(Effect::curvature);  // known per triangle: a triangle inside a facet has none
-    if (model.pillow.form == PillowForm::triangle || model.pillow.form == PillowForm::eccentricity) model.pillow = {};  // fade with refinement: erratum E13
+    if (model.pillow.form == PillowForm::triangle || model.pillow.form == PillowForm::eccentricity)
+      model.pillow = {};  // fade with refinement: erratum E13
     Motion motion = hostile::motion(random);
     motion.angular_velocity.setZero();
     hostile::Body fine{.sides = body.sides};
@@ -202,7 +213,8 @@ TEST_CASE("under a law without descriptors a triangle feels the same alone as am
     zoo::Random random(seed);
     const hostile::Body body = hostile::soup(random, false);
     const Surface surface = body.surface();
-    const Model model{.law = seed % 2 ? sheet_law() : scaled_law(0.9, 0.3), .pillow = {PillowForm::triangle, 0.9}, .quadrature = Quadrature::six};
+    const Model model{
+        .law = seed % 2 ? sheet_law() : scaled_law(0.9, 0.3), .pillow = {PillowForm::triangle, 0.9}, .quadrature = Quadrature::six};
     const Motion motion = hostile::motion(random);
     const TriangleForces parts = triangle_forces(surface, motion, {}, model);
     const auto pick = static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(body.mesh.triangles.size()) - 1e-9));
@@ -214,7 +226,8 @@ TEST_CASE("under a law without descriptors a triangle feels the same alone as am
   CHECK_WORST(alone, 1e-13);
 }
 
-TEST_CASE("air that turns with a body is air at rest about it, and air that turns alone is a body that turns back", "[property][invariance]") {
+TEST_CASE("air that turns with a body is air at rest about it, and air that turns alone is a body that turns back",
+          "[property][invariance]") {
   Worst carried, turned;
   for (unsigned seed = 450'000; seed < 450'000 + 3'000 / hostile::sanitizer_divisor; ++seed) {
     zoo::Random random(seed);
@@ -255,13 +268,16 @@ TEST_CASE("adaptive quadrature keeps to six points and never jumps", "[property]
       model.quadrature = rule;
       return wrench(surface, m, {}, model).total();
     };
-    const auto distance = [&](const Wrench& a, const Wrench& b) { return (a.force - b.force).norm() / force + (a.torque - b.torque).norm() / (force * arm); };
+    const auto distance = [&](const Wrench& a, const Wrench& b) {
+      return (a.force - b.force).norm() / force + (a.torque - b.torque).norm() / (force * arm);
+    };
     const Wrench adaptive = evaluate_with(Quadrature::adaptive, motion);
     coarse.see(distance(adaptive, evaluate_with(Quadrature::six, motion)), seed);
     // At one triangle's centroid, so that its spin can be put on a threshold of the rule: 1e-9 below it and above.
     const auto t = static_cast<Eigen::Index>(random.uniform(0.0, static_cast<double>(surface.size()) - 1e-9));
     const Vector3d ab = surface.edge_ab.row(t).matrix(), ac = surface.edge_ac.row(t).matrix();
-    const double radius = std::max({(ab + ac).norm(), (2.0 * ab - ac).norm(), (2.0 * ac - ab).norm()}) / 3.0, threshold[] = {0.002, 0.004, 0.5, 1.0};
+    const double radius = std::max({(ab + ac).norm(), (2.0 * ab - ac).norm(), (2.0 * ac - ab).norm()}) / 3.0,
+                 threshold[] = {0.002, 0.004, 0.5, 1.0};
     Motion below{.wind = random.vector(10.0), .reference_point = surface.centroid.row(t).matrix()};
     below.angular_velocity = threshold[seed % 4] * below.wind.norm() / radius * (1.0 - 1e-9) * random.vector(1.0).normalized();
     Motion above = below;
@@ -270,13 +286,15 @@ TEST_CASE("adaptive quadrature keeps to six points and never jumps", "[property]
     const double here = hostile::force_scale(surface, below, 1.225), lever = hostile::arm_scale(surface, below);
     jump.see(((a.force - b.force).norm() / here + (a.torque - b.torque).norm() / (here * lever)) / 2e-9, seed);
   }
-  CHECK_WORST(coarse, 0.005);  // of the largest force that the speeds could make; observed 0.0027, where three points meet a face that turns through edge-on
+  CHECK_WORST(coarse, 0.005);  // of the largest force that the speeds could make; observed 0.0027, where three points meet a face that
+                               // turns through edge-on
   CHECK_WORST(jump, 2.0);      // per relative change of the spin: a force is square in it. Observed 0.5
 }
 
 namespace {
 
-/// Largest change of C(c) n with the angle of the flow, over all c: |C'(c)| sqrt(1 - c^2), as |dc/d angle| <= sqrt(1 - c^2). And the largest |C|.
+/// Largest change of C(c) n with the angle of the flow, over all c: |C'(c)| sqrt(1 - c^2), as |dc/d angle| <= sqrt(1 - c^2). And the
+/// largest |C|.
 struct Steepness {
   double slope = 0.0, value = 0.0;
 };
@@ -295,10 +313,13 @@ Steepness steepness(const Law::Polynomial& p) {
 /// A direction and another `angle` away from it; every other one starts exactly edge-on or normal to a triangle.
 std::pair<Vector3d, Vector3d> neighbours(zoo::Random& random, const Surface& surface, double angle) {
   Vector3d u = random.vector(1.0).normalized();
-  const Vector3d n = surface.normal.row(static_cast<Eigen::Index>(random.uniform(0.0, static_cast<double>(surface.size()) - 1e-9))).matrix();
+  const Vector3d n =
+      surface.normal.row(static_cast<Eigen::Index>(random.uniform(0.0, static_cast<double>(surface.size()) - 1e-9))).matrix();
   const double kind = random.uniform(0.0, 1.0);
-  if (kind < 0.25) u = -n;
-  else if (kind < 0.5) u = n.cross(u).normalized();
+  if (kind < 0.25)
+    u = -n;
+  else if (kind < 0.5)
+    u = n.cross(u).normalized();
   const Vector3d axis = u.cross(random.vector(1.0)).normalized();
   return {u, Eigen::AngleAxisd(angle, axis) * u};
 }
@@ -306,10 +327,10 @@ std::pair<Vector3d, Vector3d> neighbours(zoo::Random& random, const Surface& sur
 }  // namespace
 
 TEST_CASE("force and torque change with the angle of the flow no faster than the law's polynomials allow", "[property][limit]") {
-  // Uniform flow, no spin, W(0) = L(0) = 0, q = 1. Every triangle's force is A C(c) n, so that |dF/d angle| <= A (K_W + K_L + f), two-sided with both
-  // sides at once. The tilt form moves it by D = -kappa (2/l) M t e: |D| <= kappa sqrt(m), m the largest eigenvalue of M, because the variance along the
-  // chord l is at most l^2/4; and |dD/d angle| <= kappa (2 m + d sqrt(m))/l, d the patch's diameter, because t e is the projection of a unit vector, e turns
-  // by 1/t and the chord changes by at most d per radian. The patch's area is at most l d.
+  // Uniform flow, no spin, W(0) = L(0) = 0, q = 1. Every triangle's force is A C(c) n, so that |dF/d angle| <= A (K_W + K_L + f), two-sided
+  // with both sides at once. The tilt form moves it by D = -kappa (2/l) M t e: |D| <= kappa sqrt(m), m the largest eigenvalue of M, because
+  // the variance along the chord l is at most l^2/4; and |dD/d angle| <= kappa (2 m + d sqrt(m))/l, d the patch's diameter, because t e is
+  // the projection of a unit vector, e turns by 1/t and the chord changes by at most d per radian. The patch's area is at most l d.
   Worst force_over_bound, torque_over_bound;
   for (unsigned seed = 600'000; seed < 600'000 + 10'000 / hostile::sanitizer_divisor; ++seed) {
     zoo::Random random(seed);
@@ -320,7 +341,8 @@ TEST_CASE("force and torque change with the angle of the flow no faster than the
       for (double& k : law.windward) k = std::abs(k);  // nothing pushes
       for (double& k : law.leeward) k = std::abs(k);
     }
-    const Model model{.law = law, .pillow = {PillowForm::tilt, 1.5}, .effects = Effect::leeward_suction | Effect::friction | Effect::pillow};
+    const Model model{
+        .law = law, .pillow = {PillowForm::tilt, 1.5}, .effects = Effect::leeward_suction | Effect::friction | Effect::pillow};
     const double angle = std::pow(10.0, random.uniform(-6.0, -1.0));
     const auto [u, v] = neighbours(random, surface, angle);
     const Wrench a = wrench(surface, {.wind = u, .reference_point = surface.centre}, {.density = 2.0}, model).total();
@@ -348,8 +370,8 @@ TEST_CASE("force and torque change with the angle of the flow no faster than the
 }
 
 TEST_CASE("the closed law is continuous in angle on every closed body, as steep as measured and no steeper", "[property][limit]") {
-  // Its descriptors turn with the flow too, and so does the share of what pushes. The steepest of 10,000 cases were 2.9 q A and 0.72 q A radius per radian;
-  // asserted with a margin of 40 %.
+  // Its descriptors turn with the flow too, and so does the share of what pushes. The steepest of 10,000 cases were 2.9 q A and 0.72 q A
+  // radius per radian; asserted with a margin of 40 %.
   Worst force_slope, torque_slope;
   for (unsigned seed = 700'000; seed < 700'000 + 10'000 / hostile::sanitizer_divisor; ++seed) {
     zoo::Random random(seed);

@@ -1,7 +1,6 @@
-#include <dragcore/required_effects.hpp>
-
 #include <bit>
 #include <catch2/catch.hpp>
+#include <dragcore/required_effects.hpp>
 
 #include "tests/support/zoo.hpp"
 
@@ -40,13 +39,20 @@ TEST_CASE("a scene without an effect's cause does not call for it, and says why"
 TEST_CASE("spin, pillow, a vortex and a law with many terms are called for", "[effects][sign]") {
   const Surface cube = zoo::surface(Box{}, 2);
   const Wind vortex({{.name = "v", .field = VortexField{.circulation = 30.0, .core_radius = 1.0}}});
-  const auto found = required_effects({.surface = cube, .motion = {.wind = {3.0, 0.0, 0.0}, .angular_velocity = {0.0, 0.0, 5.0}}, .model = model_for(cube), .wind = &vortex, .place = {1.5, 0.0, 0.0}});
-  for (const Effect effect : {Effect::base_suction, Effect::recovery, Effect::shelter, Effect::pillow, Effect::spin, Effect::wind_variation}) CHECK(found.effects.has(effect));
+  const auto found = required_effects({.surface = cube,
+                                       .motion = {.wind = {3.0, 0.0, 0.0}, .angular_velocity = {0.0, 0.0, 5.0}},
+                                       .model = model_for(cube),
+                                       .wind = &vortex,
+                                       .place = {1.5, 0.0, 0.0}});
+  for (const Effect effect :
+       {Effect::base_suction, Effect::recovery, Effect::shelter, Effect::pillow, Effect::spin, Effect::wind_variation})
+    CHECK(found.effects.has(effect));
   CHECK_FALSE(found.effects.has(Effect::curvature));  // a cube has no curved face
   CHECK(found.wind_sampling != WindSampling::constant);
 
   // A slow spin costs less than the tolerance: not called for.
-  const auto slow = required_effects({.surface = cube, .motion = {.wind = {3.0, 0.0, 0.0}, .angular_velocity = {0.0, 0.0, 1e-4}}, .free = false});
+  const auto slow =
+      required_effects({.surface = cube, .motion = {.wind = {3.0, 0.0, 0.0}, .angular_velocity = {0.0, 0.0, 1e-4}}, .free = false});
   CHECK_FALSE(slow.effects.has(Effect::spin));
   CHECK(need(slow, Effect::spin).force > 0.0);
 }
@@ -64,9 +70,11 @@ TEST_CASE("a free body keeps what brakes the motions it may come to", "[effects]
   CHECK(need(free, Effect::spin).why.find("a free body") != std::string::npos);
   CHECK(need(free, Effect::friction).why.find("0 m^2") != std::string::npos);
   // A cube has a front of one face however it turns: its friction can be too small to count.
-  CHECK_FALSE(required_effects({.surface = cube, .motion = falling, .model = {.law = sheet_law()}, .tolerance = 0.2}).effects.has(Effect::friction));
+  CHECK_FALSE(required_effects({.surface = cube, .motion = falling, .model = {.law = sheet_law()}, .tolerance = 0.2})
+                  .effects.has(Effect::friction));
   // Nor does it stay where the wind is even.
-  const Wind far({{.name = "v", .field = VortexField{.circulation = 30.0}, .placement = {.position = {200.0, 0.0, 0.0}}, .fade_radius = 50.0}});
+  const Wind far(
+      {{.name = "v", .field = VortexField{.circulation = 30.0}, .placement = {.position = {200.0, 0.0, 0.0}}, .fade_radius = 50.0}});
   CHECK(required_effects({.surface = cube, .motion = falling, .wind = &far}).effects.has(Effect::wind_variation));
   CHECK_FALSE(required_effects({.surface = cube, .motion = falling, .free = false, .wind = &far}).effects.has(Effect::wind_variation));
   // What the model has switched off stays so.
@@ -77,7 +85,10 @@ TEST_CASE("a free body keeps what brakes the motions it may come to", "[effects]
 
 TEST_CASE("small triangles make the note's pillow not worth its cost", "[effects][limit]") {
   const Model model{.law = note_law(), .pillow = {PillowForm::triangle, 1.0}};
-  const auto asked = [&](int divisions) { return required_effects({.surface = zoo::surface(Box{}, divisions), .motion = {.wind = {1.0, 0.0, 0.0}}, .model = model, .tolerance = 0.05}); };
+  const auto asked = [&](int divisions) {
+    return required_effects(
+        {.surface = zoo::surface(Box{}, divisions), .motion = {.wind = {1.0, 0.0, 0.0}}, .model = model, .tolerance = 0.05});
+  };
   CHECK(asked(1).effects.has(Effect::pillow));
   CHECK_FALSE(asked(80).effects.has(Effect::pillow));  // bound: 4 areas/frontal area * 1.5 * edge/sqrt(12)
 }
@@ -91,7 +102,9 @@ TEST_CASE("leaving effects out never costs more than the sum of their bounds", "
     const Surface surface = zoo::surface(shape, 4);
     Motion motion = random.motion(5.0, random.uniform(0.0, 3.0));
     motion.wind_gradient = 0.3 * random.rotation();
-    Model model{.law = i % 2 ? closed_law() : sheet_law(), .pillow = {i % 3 ? PillowForm::tilt : PillowForm::patch, 0.8}, .quadrature = Quadrature::six};
+    Model model{.law = i % 2 ? closed_law() : sheet_law(),
+                .pillow = {i % 3 ? PillowForm::tilt : PillowForm::patch, 0.8},
+                .quadrature = Quadrature::six};
     if (i % 5 == 0) model.law = scaled_law(0.9, 0.3);
     const auto found = required_effects({.surface = surface, .motion = motion, .model = model});
     const Wrench whole = wrench(surface, motion, {}, model).total();
@@ -99,7 +112,8 @@ TEST_CASE("leaving effects out never costs more than the sum of their bounds", "
     Effects dropped;
     double force = 0.0, torque = 0.0;
     for (const Effect effect : every_effect())
-      if (random.uniform(0.0, 1.0) < 0.3) dropped = dropped | effect, force += need(found, effect).force, torque += need(found, effect).torque;
+      if (random.uniform(0.0, 1.0) < 0.3)
+        dropped = dropped | effect, force += need(found, effect).force, torque += need(found, effect).torque;
     Model reduced = model;
     reduced.effects = Effects::all().without(dropped);
     const Wrench rest = wrench(surface, motion, {}, reduced).total();
@@ -135,7 +149,8 @@ TEST_CASE("air carried along, lift of spinning balls and low Reynolds numbers ar
       if (candidate.name == name) return candidate;
     throw std::out_of_range(name);
   };
-  const MassProperties balloon{.mass = 0.004, .inertia = 1e-5 * Eigen::Matrix3d::Identity()}, iron{.mass = 33.0, .inertia = 0.1 * Eigen::Matrix3d::Identity()};
+  const MassProperties balloon{.mass = 0.004, .inertia = 1e-5 * Eigen::Matrix3d::Identity()},
+      iron{.mass = 33.0, .inertia = 0.1 * Eigen::Matrix3d::Identity()};
   const Motion spinning{.wind = {5.0, 0.0, 0.0}, .angular_velocity = {0.0, 0.0, 40.0}};
   CHECK(find(required_effects({.surface = ball, .motion = spinning, .body = balloon}), "added mass").needed);
   CHECK_FALSE(find(required_effects({.surface = ball, .motion = spinning, .body = iron}), "added mass").needed);

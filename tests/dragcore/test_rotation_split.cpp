@@ -61,7 +61,8 @@ TEST_CASE("printed, the note's own example feels nothing; mended, a fine mesh br
   const Surface coarse = zoo::surface(Box{1, 1, 1}, 1), fine = zoo::surface(Box{1, 1, 1}, 24);
   // E14: nothing but the motion of the centroids is left, which one point per triangle gives too.
   const double centroids_only = wrench(coarse, motion, {.density = 1.0}, {.quadrature = Quadrature::one}).total().torque.z();
-  CHECK_THAT(rotation_split_wrench(coarse, motion, {.density = 1.0}, {RotationSplit::Formulas::printed, 1.0}).total().torque.z(), WithinRel(centroids_only, 1e-12));
+  CHECK_THAT(rotation_split_wrench(coarse, motion, {.density = 1.0}, {RotationSplit::Formulas::printed, 1.0}).total().torque.z(),
+             WithinRel(centroids_only, 1e-12));
   // With small triangles the centroid's own motion is everything and the split converges to the local law.
   CHECK_THAT(rotation_split_wrench(fine, motion, {.density = 1.0}, {}).total().torque.z(), WithinRel(-0.04328, 0.02));
 }

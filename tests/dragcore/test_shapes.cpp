@@ -10,7 +10,8 @@ using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
 
 TEST_CASE("flat-sided shapes have the area and volume of their formulas", "[shapes][analytic]") {
-  for (const Shape& shape : {Shape(Plate{1.3, 0.7, 0.05}), Shape(Box{2.0, 1.0, 0.6}), Shape(Plate{1.0, 2.0, 0.0}), Shape(Prism{1.0, 0.7, 0.4})})
+  for (const Shape& shape :
+       {Shape(Plate{1.3, 0.7, 0.05}), Shape(Box{2.0, 1.0, 0.6}), Shape(Plate{1.0, 2.0, 0.0}), Shape(Prism{1.0, 0.7, 0.4})})
     for (const int divisions : {1, 2, 7}) {
       const MeshProperties found = inspect(triangulate(shape, divisions));
       const ShapeProperties exact = properties(shape);
@@ -20,7 +21,8 @@ TEST_CASE("flat-sided shapes have the area and volume of their formulas", "[shap
 }
 
 TEST_CASE("area and volume of round shapes converge with second order", "[shapes][convergence]") {
-  for (const Shape& shape : {Shape(Sphere{1.0}), Shape(Cone{1.0, 0.7}), Shape(Cylinder{0.8, 1.5}), Shape(Ellipsoid{0.8, 0.5, 0.3}), Shape(Teardrop{1.0, 3.0})}) {
+  for (const Shape& shape :
+       {Shape(Sphere{1.0}), Shape(Cone{1.0, 0.7}), Shape(Cylinder{0.8, 1.5}), Shape(Ellipsoid{0.8, 0.5, 0.3}), Shape(Teardrop{1.0, 3.0})}) {
     const ShapeProperties exact = properties(shape);
     double area_error[2], volume_error[2];
     for (int level = 0; level < 2; ++level) {
@@ -127,7 +129,8 @@ TEST_CASE("shapes survive the way through their names and parameters", "[shapes]
 
 TEST_CASE("a wrong parameter is named with its value and its range", "[shapes][hard]") {
   CHECK_THROWS_WITH(make_shape("cone", {{"apex_angle_deg", 180.0}}), Catch::Contains("apex_angle") && Catch::Contains("between 0 and pi"));
-  CHECK_THROWS_WITH(make_shape("cone", {{"apex", 10.0}}), Catch::Contains("unknown parameter 'apex'") && Catch::Contains("diameter, apex_angle_deg"));
+  CHECK_THROWS_WITH(make_shape("cone", {{"apex", 10.0}}),
+                    Catch::Contains("unknown parameter 'apex'") && Catch::Contains("diameter, apex_angle_deg"));
   CHECK_THROWS_WITH(make_shape("kone", {}), Catch::Contains("unknown shape 'kone'") && Catch::Contains("prism"));
   CHECK_THROWS_WITH(properties(Plate{.chord = -1.0}), Catch::Contains("chord = -1"));
   CHECK_THROWS_WITH(properties(Sphere{std::nan("")}), Catch::Contains("diameter"));

@@ -20,7 +20,9 @@ struct Light {
 
 /// Paper of 80 g/m^2, a leaf, foam, steel.
 std::vector<Light> bodies() {
-  const auto flat = [](double mass, double a) { return MassProperties{mass, Vector3d(mass * a * a / 12, mass * a * a / 12, mass * a * a / 6).asDiagonal()}; };
+  const auto flat = [](double mass, double a) {
+    return MassProperties{mass, Vector3d(mass * a * a / 12, mass * a * a / 12, mass * a * a / 6).asDiagonal()};
+  };
   return {{Plate{0.1, 0.1, 0.0}, flat(8e-4, 0.1)},
           {Plate{0.055, 0.055, 0.0}, flat(2e-4, 0.055)},
           {Box{0.1, 0.1, 0.1}, {0.02, 0.02 * 0.01 / 6 * Eigen::Matrix3d::Identity()}},
@@ -34,7 +36,8 @@ Vector6d of(const Motion& m) { return six(m.velocity, m.angular_velocity); }
 
 }  // namespace
 
-TEST_CASE("the secant matrix times the velocity relative to the air is the wrench, and is symmetric and not negative", "[stepping][analytic]") {
+TEST_CASE("the secant matrix times the velocity relative to the air is the wrench, and is symmetric and not negative",
+          "[stepping][analytic]") {
   zoo::Random random(31);
   for (const Shape& shape : zoo::shapes())
     for (const Model& model : zoo::models()) {
@@ -42,7 +45,8 @@ TEST_CASE("the secant matrix times the velocity relative to the air is the wrenc
       const Motion motion = random.motion(2.0, 3.0);
       const Matrix6d s = resistance(surface, motion, {}, model);
       const Wrench total = wrench(surface, motion, {}, model).total();
-      CHECK((s * (air(motion) - of(motion)) - six(total.force, total.torque)).norm() < 1e-12 * (1.0 + s.norm() * of(motion).norm()));  // rounding
+      CHECK((s * (air(motion) - of(motion)) - six(total.force, total.torque)).norm() <
+            1e-12 * (1.0 + s.norm() * of(motion).norm()));  // rounding
       CHECK((s - s.transpose()).norm() == 0.0);
       CHECK(Eigen::SelfAdjointEigenSolver<Matrix6d>(s).eigenvalues().minCoeff() > -1e-14 * s.norm());
     }
@@ -82,7 +86,8 @@ TEST_CASE("energy relative to the wind never grows, whatever the time step", "[s
           Vector6d v;
           if (update < 2) {
             const Matrix6d s = resistance(surface, motion, {}, model);
-            v = update == 0 ? step_secant_implicit(s, light.body, motion, Vector6d::Zero(), dt) : step_scalar_implicit(s, light.body, motion, Vector6d::Zero(), dt);
+            v = update == 0 ? step_secant_implicit(s, light.body, motion, Vector6d::Zero(), dt)
+                            : step_scalar_implicit(s, light.body, motion, Vector6d::Zero(), dt);
           } else {
             const Wrench w = wrench(surface, motion, {}, model).total();
             v = of(motion) + impulse_share(w, light.body, motion, dt) * dt * light.body.matrix().llt().solve(six(w.force, w.torque));
@@ -117,7 +122,8 @@ TEST_CASE("terminal velocity is an exact fixed point of every implicit update", 
     const Vector6d weight = six(Vector3d(0, 0, -light.body.mass * g), Vector3d::Zero());
     const Matrix6d s = resistance(surface, motion, {}, {});
     for (const double dt : {1.0 / 240, 1.0, 100.0}) {
-      CHECK((step_secant_implicit(s, light.body, motion, weight, dt) - of(motion)).norm() < 1e-9 * v);  // conditioning of M + dt S: 1e5 at 100 s
+      CHECK((step_secant_implicit(s, light.body, motion, weight, dt) - of(motion)).norm() <
+            1e-9 * v);  // conditioning of M + dt S: 1e5 at 100 s
       CHECK((step_scalar_implicit(s, light.body, motion, weight, dt) - of(motion)).norm() < 1e-9 * v);
     }
   }
@@ -128,11 +134,13 @@ TEST_CASE("the secant step solves straight fall along the flow exactly", "[stepp
   const Light foam = bodies()[2];
   const Motion motion{.velocity = Vector3d(8, 0, 0)};
   const double k = 0.5 * 1.225 * 0.01 / foam.body.mass;
-  const Vector6d v = step_secant_implicit(resistance(zoo::surface(foam.shape, 1), motion, {}, {}), foam.body, motion, Vector6d::Zero(), 0.5);
+  const Vector6d v =
+      step_secant_implicit(resistance(zoo::surface(foam.shape, 1), motion, {}, {}), foam.body, motion, Vector6d::Zero(), 0.5);
   CHECK_THAT(v[0], WithinRel(8.0 / (1 + k * 8.0 * 0.5), 1e-12));
 }
 
-TEST_CASE("spin by inertia alone keeps its energy at any time step, the size of its momentum at short ones, and follows Euler's equations", "[stepping][energy][analytic]") {
+TEST_CASE("spin by inertia alone keeps its energy at any time step, the size of its momentum at short ones, and follows Euler's equations",
+          "[stepping][energy][analytic]") {
   zoo::Random random(53);
   const MassProperties bar{.mass = 0.3, .inertia = Vector3d(4.25e-5, 2.27e-3, 2.31e-3).asDiagonal()};  // 30 x 5 x 4 cm
   for (const double dt : {1e-3, 1.0 / 60, 0.5, 100.0})
@@ -141,7 +149,9 @@ TEST_CASE("spin by inertia alone keeps its energy at any time step, the size of 
       const double energy_before = spin.dot(bar.inertia * spin), momentum_before = (bar.inertia * spin).norm();
       for (int step = 0; step < 200; ++step) spin = gyroscopic_spin(bar, spin, dt);
       CHECK(spin.dot(bar.inertia * spin) == Approx(energy_before).epsilon(1e-10));  // rounding of 200 solves
-      if (dt == 1e-3) CHECK((bar.inertia * spin).norm() == Approx(momentum_before).epsilon(1e-5));  // four iterations, each gains a factor of about spin dt / 2
+      if (dt == 1e-3)
+        CHECK((bar.inertia * spin).norm() ==
+              Approx(momentum_before).epsilon(1e-5));  // four iterations, each gains a factor of about spin dt / 2
     }
   // A symmetric top precesses in body axes at (I_3 - I_1)/I_1 omega_3, exactly.
   const MassProperties top{.mass = 1.0, .inertia = Vector3d(2.0, 2.0, 3.0).asDiagonal()};
@@ -158,7 +168,10 @@ TEST_CASE("spin by inertia alone keeps its energy at any time step, the size of 
 TEST_CASE("a tumbling bar never gains energy in the loop of gyroscopic_spin and the secant step", "[stepping][energy]") {
   zoo::Random random(54);
   const Surface surface = zoo::surface(Box{0.3, 0.05, 0.03}, 1);
-  const MassProperties bar{.mass = 0.3, .inertia = 0.3 / 12 * Vector3d(0.05 * 0.05 + 0.03 * 0.03, 0.3 * 0.3 + 0.03 * 0.03, 0.3 * 0.3 + 0.05 * 0.05).asDiagonal().toDenseMatrix()};
+  const MassProperties bar{
+      .mass = 0.3,
+      .inertia =
+          0.3 / 12 * Vector3d(0.05 * 0.05 + 0.03 * 0.03, 0.3 * 0.3 + 0.03 * 0.03, 0.3 * 0.3 + 0.05 * 0.05).asDiagonal().toDenseMatrix()};
   const Model model = model_for(surface);
   for (const double dt : {1.0 / 240, 1.0 / 60, 0.1})
     for (int i = 0; i < 20; ++i) {
@@ -178,7 +191,8 @@ TEST_CASE("a tumbling bar never gains energy in the loop of gyroscopic_spin and 
     }
 }
 
-TEST_CASE("air carried along slows a light body's start, changes no terminal velocity and keeps the bound of energy", "[stepping][analytic]") {
+TEST_CASE("air carried along slows a light body's start, changes no terminal velocity and keeps the bound of energy",
+          "[stepping][analytic]") {
   // A balloon of 0.3 m: its air weighs 17 g, half of which it carries along.
   const double a = 0.15, rho = 1.225, m = 0.005, carried = rho * 2.0 / 3.0 * std::numbers::pi * a * a * a;
   MassProperties balloon{m, 0.4 * m * a * a * Eigen::Matrix3d::Identity()};
@@ -209,7 +223,8 @@ TEST_CASE("air carried along slows a light body's start, changes no terminal vel
       const Surface there = zoo::surface(light.shape, 2);
       Motion here = motion;
       here.reference_point.setZero();
-      const Vector6d before = of(here) - air(here), v = step_secant_implicit(resistance(there, here, {}, model), body, here, Vector6d::Zero(), dt_long) - air(here);
+      const Vector6d before = of(here) - air(here),
+                     v = step_secant_implicit(resistance(there, here, {}, model), body, here, Vector6d::Zero(), dt_long) - air(here);
       CHECK(energy(body, v) <= energy(body, before) * (1 + 1e-12));  // rounding
     }
   balloon.added(0, 0) = -1.0;
@@ -219,7 +234,8 @@ TEST_CASE("air carried along slows a light body's start, changes no terminal vel
 TEST_CASE("mass properties and time steps out of range are refused", "[stepping][hard]") {
   CHECK_THROWS_WITH((MassProperties{.mass = 0.0}.matrix()), Catch::Contains("mass = 0"));
   CHECK_THROWS_WITH((MassProperties{.mass = 1.0}.matrix()), Catch::Contains("must be set") && Catch::Contains("positive definite"));
-  CHECK_THROWS_WITH((MassProperties{.mass = 1.0, .inertia = Vector3d(1, 1, 2.1).asDiagonal()}.matrix()), Catch::Contains("larger than the sum"));
+  CHECK_THROWS_WITH((MassProperties{.mass = 1.0, .inertia = Vector3d(1, 1, 2.1).asDiagonal()}.matrix()),
+                    Catch::Contains("larger than the sum"));
   CHECK_THROWS_WITH(step_secant_implicit(Matrix6d::Zero(), {}, {}, Vector6d::Zero(), -1.0), Catch::Contains("dt = -1"));
   const Vector6d poisoned = Vector6d::Constant(std::nan(""));
   CHECK_THROWS_WITH(step_secant_implicit(Matrix6d::Zero(), {}, {}, poisoned, 1.0), Catch::Contains("must be finite"));
@@ -244,6 +260,8 @@ TEST_CASE("a cube that spins about its vertical axis slows down for ever and nev
     // d omega/dt = -k omega^2: 1/omega grows linearly. k = |M_z| / (I omega^2) at unit spin, by the same rule.
     const double k = -wrench(cube, {.angular_velocity = {0.0, 0.0, 1.0}}, {}, {.law = law}).total().torque.z() / body.inertia(2, 2);
     CHECK(motion.velocity.norm() < 1e-12);
-    CHECK_THAT(1.0 / motion.angular_velocity.z(), Catch::Matchers::WithinRel(1.0 / 40 + k * 20000.0 / 60, 0.05));  // the diagonals of 12 triangles tilt the torque by 5 %, and the spin with it
+    CHECK_THAT(1.0 / motion.angular_velocity.z(),
+               Catch::Matchers::WithinRel(1.0 / 40 + k * 20000.0 / 60,
+                                          0.05));  // the diagonals of 12 triangles tilt the torque by 5 %, and the spin with it
   }
 }

@@ -1,7 +1,6 @@
-#include <dragcore/turbulence.hpp>
-
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <dragcore/turbulence.hpp>
 #include <limits>
 #include <numbers>
 #include <random>

@@ -1,9 +1,8 @@
-#include <dragcore/wind.hpp>
-
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <dragcore/turbulence.hpp>
+#include <dragcore/wind.hpp>
 #include <limits>
 #include <numbers>
 #include <random>

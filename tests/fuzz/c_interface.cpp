@@ -62,8 +62,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const int two_sided = bytes.take<std::uint8_t>() % 3;
 
   dragcore_surface* surface = nullptr;
-  dragcore_status status =
-      dragcore_surface_create(pointer(0, vertices.data()), vertex_count, pointer(1, triangles.data()), triangle_count, two_sided, pointer(2, &surface));
+  dragcore_status status = dragcore_surface_create(pointer(0, vertices.data()), vertex_count, pointer(1, triangles.data()), triangle_count,
+                                                   two_sided, pointer(2, &surface));
   check_status(status);
   fuzz::check((status == DRAGCORE_OK) == (surface != nullptr), "there is a surface where there is no error");
 

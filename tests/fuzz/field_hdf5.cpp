@@ -2,7 +2,8 @@
 
 #include "fuzz.hpp"
 
-/// HDF5 1.10.8 loses some hundred bytes whenever a checksum is wrong (its own h5dump too): not ours to report. Read by the leak sanitizer alone.
+/// HDF5 1.10.8 loses some hundred bytes whenever a checksum is wrong (its own h5dump too): not ours to report. Read by the leak sanitizer
+/// alone.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
 
 /// Wind fields as HDF5: what is accepted can be sampled.

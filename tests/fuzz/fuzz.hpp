@@ -13,8 +13,9 @@
 #include <stdexcept>
 #include <string>
 
-/// What the fuzz targets share. A target is one function that is given arbitrary bytes: it may refuse them by the exceptions that its reader promises,
-/// and must otherwise keep what the reader promises. Called by libFuzzer in the preset `fuzz`, and by replay.cpp everywhere else.
+/// What the fuzz targets share. A target is one function that is given arbitrary bytes: it may refuse them by the exceptions that its
+/// reader promises, and must otherwise keep what the reader promises. Called by libFuzzer in the preset `fuzz`, and by replay.cpp
+/// everywhere else.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace fuzz {
@@ -40,7 +41,8 @@ class Scratch {
   }
   const std::filesystem::path& holding(const std::uint8_t* data, std::size_t size) const {
     std::ofstream out(path_, std::ios::binary);
-    check(static_cast<bool>(out.write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size)).flush()), "the scratch file can be written");
+    check(static_cast<bool>(out.write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size)).flush()),
+          "the scratch file can be written");
     return path_;
   }
 

@@ -16,7 +16,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     return 0;
   }
   validate(file.law);
-  const Motion motion{.wind = {1.0, 2.0, 0.5}, .velocity = {-3.0, 0.5, 1.0}, .angular_velocity = {0.3, -1.0, 0.7}, .reference_point = {0.1, 0.0, 0.2}};
+  const Motion motion{
+      .wind = {1.0, 2.0, 0.5}, .velocity = {-3.0, 0.5, 1.0}, .angular_velocity = {0.3, -1.0, 0.7}, .reference_point = {0.1, 0.0, 0.2}};
   const Eigen::Vector3d moves = motion.velocity - motion.wind;  // through the air
   for (const Surface& body : bodies)
     for (const double spin : {0.0, 1.0}) {
@@ -27,7 +28,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
         const Wrench total = wrench(body, turning, {}, model).total();
         fuzz::check(total.force.allFinite() && total.torque.allFinite(), "the wrench of a law from a file is finite");
         const TriangleForces parts = triangle_forces(body, turning, {}, model);
-        const double size_of_sums = parts.force.colwise().norm().sum() * moves.norm() + parts.torque.colwise().norm().sum() * turning.angular_velocity.norm();
+        const double size_of_sums =
+            parts.force.colwise().norm().sum() * moves.norm() + parts.torque.colwise().norm().sum() * turning.angular_velocity.norm();
         // Rounding of some hundred terms, which may cancel.
         const double power = total.force.dot(moves) + total.torque.dot(turning.angular_velocity);
         fuzz::check(!(power > 1e-12 * size_of_sums),

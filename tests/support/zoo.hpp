@@ -29,7 +29,9 @@ inline dragcore::Surface::Sides sides_of(const dragcore::Shape& shape) {
   return plate && plate->thickness == 0.0 ? dragcore::Surface::Sides::two : dragcore::Surface::Sides::one;
 }
 
-inline dragcore::Surface surface(const dragcore::Shape& shape, int divisions) { return dragcore::Surface(triangulate(shape, divisions), sides_of(shape)); }
+inline dragcore::Surface surface(const dragcore::Shape& shape, int divisions) {
+  return dragcore::Surface(triangulate(shape, divisions), sides_of(shape));
+}
 
 /// Seeded, so that a failure can be repeated.
 class Random {
@@ -53,7 +55,8 @@ inline std::vector<dragcore::Model> models() {
   using namespace dragcore;
   std::vector<Model> list;
   for (const Law& law : {note_law(), consistent_law(), scaled_law(0.76, 0.4)})
-    for (const Pillow& pillow : {Pillow{}, Pillow{PillowForm::triangle, 0.9}, Pillow{PillowForm::patch, 0.9}, Pillow{PillowForm::tilt, 0.8}})
+    for (const Pillow& pillow :
+         {Pillow{}, Pillow{PillowForm::triangle, 0.9}, Pillow{PillowForm::patch, 0.9}, Pillow{PillowForm::tilt, 0.8}})
       for (const Quadrature order : {Quadrature::one, Quadrature::three, Quadrature::six}) list.push_back({law, pillow, order});
   return list;
 }

@@ -11,7 +11,8 @@ struct BodyPlacement {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< a proper rotation
 };
 
-/// The wind that a body meets, in the body frame. Owns the values per triangle that Motion::triangle_wind refers to: keep it as long as the motion.
+/// The wind that a body meets, in the body frame. Owns the values per triangle that Motion::triangle_wind refers to: keep it as long as the
+/// motion.
 class BodyWind {
  public:
   /// Samples a wind field over a body.
@@ -20,14 +21,17 @@ class BodyWind {
   ///   per_triangle:  the velocity at the centroid of every triangle
   /// @param reference_point  of the motion it is meant for, body frame [m]
   /// @throws std::invalid_argument  if the rotation is none or anything is not finite
-  BodyWind(const Wind& wind, const Surface& surface, const BodyPlacement& place, const Eigen::Vector3d& reference_point, WindSampling sampling);
+  BodyWind(const Wind& wind, const Surface& surface, const BodyPlacement& place, const Eigen::Vector3d& reference_point,
+           WindSampling sampling);
 
   /// The same with the cheapest sampling whose error bound is within `tolerance` [m/s]: choose_sampling().
-  static BodyWind within(const Wind& wind, const Surface& surface, const BodyPlacement& place, const Eigen::Vector3d& reference_point, double tolerance);
+  static BodyWind within(const Wind& wind, const Surface& surface, const BodyPlacement& place, const Eigen::Vector3d& reference_point,
+                         double tolerance);
 
   WindSampling sampling() const { return sampling_; }
 
-  /// Sets `wind`, `wind_gradient` and `triangle_wind` of a motion with the same reference point. Not for a temporary: the motion refers to this object.
+  /// Sets `wind`, `wind_gradient` and `triangle_wind` of a motion with the same reference point. Not for a temporary: the motion refers to
+  /// this object.
   void apply_to(Motion& motion) const&;
   void apply_to(Motion& motion) const&& = delete;
 

@@ -4,13 +4,14 @@
 
 namespace dragcore {
 
-/// What a flow along one direction meets as a whole: plain sums over the planar patches of a body, exact for convex ones. Where parts of a body hide
-/// others, they count as if they did not. Continuous in the direction.
+/// What a flow along one direction meets as a whole: plain sums over the planar patches of a body, exact for convex ones. Where parts of a
+/// body hide others, they count as if they did not. Continuous in the direction.
 struct Descriptors {
   double frontal_area = 0.0;  ///< A_f = sum of A c over windward patches [m^2]
   double depth = 0.0;         ///< lambda = volume / A_f^1.5, mean depth over width along the flow; 0 for sheets
-  double sharpness = 0.0;     ///< k in [0, 1], k^4 = sum A c^5 / sum A c: near the largest c of a face of weight. 1 for a face normal to the flow
-  double aspect = 1.0;        ///< AR >= 1: ratio of the silhouette's radii of gyration, long over short
+  double sharpness =
+      0.0;              ///< k in [0, 1], k^4 = sum A c^5 / sum A c: near the largest c of a face of weight. 1 for a face normal to the flow
+  double aspect = 1.0;  ///< AR >= 1: ratio of the silhouette's radii of gyration, long over short
 };
 
 /// @param direction  of the air's velocity relative to the body, body frame; its length does not matter

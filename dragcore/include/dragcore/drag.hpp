@@ -15,10 +15,11 @@ struct Motion {
   Eigen::Vector3d wind = Eigen::Vector3d::Zero();              ///< velocity of the undisturbed air at `reference_point` [m/s]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< of the body at `reference_point` [m/s]
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< [rad/s]
-  Eigen::Vector3d reference_point = Eigen::Vector3d::Zero();   ///< where `velocity` holds and about which torque is taken; the centre of mass, say [m]
-  Eigen::Matrix3d wind_gradient = Eigen::Matrix3d::Zero();     ///< (i, j) = d wind_i / d x_j [1/s]
-  /// Wind at the centroid of every triangle of the surface, in its order, in place of `wind` and `wind_gradient`; not owned. Empty: not used [m/s].
-  /// body_wind.hpp fills these three from a wind field.
+  Eigen::Vector3d reference_point =
+      Eigen::Vector3d::Zero();  ///< where `velocity` holds and about which torque is taken; the centre of mass, say [m]
+  Eigen::Matrix3d wind_gradient = Eigen::Matrix3d::Zero();  ///< (i, j) = d wind_i / d x_j [1/s]
+  /// Wind at the centroid of every triangle of the surface, in its order, in place of `wind` and `wind_gradient`; not owned. Empty: not
+  /// used [m/s]. body_wind.hpp fills these three from a wind field.
   std::span<const Eigen::Vector3d> triangle_wind{};
 };
 
@@ -27,8 +28,8 @@ struct Medium {
 };
 
 /// Points per triangle where the local velocity is taken: the centroid; three inside, exact to degree 2; six, exact to degree 4.
-/// `adaptive` takes one, three or six by how much the velocity varies over the triangle, |omega| r / |u| for spin: one below 0.002, three from
-/// 0.004 to 0.5, six above 1, and a smooth blend between, so that no force jumps.
+/// `adaptive` takes one, three or six by how much the velocity varies over the triangle, |omega| r / |u| for spin: one below 0.002, three
+/// from 0.004 to 0.5, six above 1, and a smooth blend between, so that no force jumps.
 enum class Quadrature { adaptive = 0, one = 1, three = 3, six = 6 };
 
 /// A plain Model is the note's: no friction, no pillow. model_for() has what validation found best.
@@ -54,13 +55,16 @@ inline constexpr double largest_gain = 0.95;
 /// Stateless: a hypothetical motion may be tried at any time, and from any thread.
 ///
 /// @return        force [N], torque about `motion.reference_point` [N m], body frame, by term. Zero for an empty surface and where u = 0
-/// @throws std::invalid_argument  if density is negative, the pillow factor is out of range, the law is not valid, `triangle_wind` has not one entry per
+/// @throws std::invalid_argument  if density is negative, the pillow factor is out of range, the law is not valid, `triangle_wind` has not
+/// one entry per
 ///                                triangle, or anything is not finite: value found, value needed (unless Model::check is off)
 /// @accuracy      within 1e-12 of reference::wrench (tests/dragcore/test_drag.cpp); one point per triangle is exact for motion without spin
-/// @source        [toskan2020] sec. 2 and 2.1; differs: leeward faces never feel windward pressure, spin by quadrature instead of a separate law
+/// @source        [toskan2020] sec. 2 and 2.1; differs: leeward faces never feel windward pressure, spin by quadrature instead of a
+/// separate law
 WrenchByTerm wrench(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model);
 
-/// Force [N] of every triangle of a surface, and its torque about `motion.reference_point` [N m]; 3 x n, in the surface's order, body frame.
+/// Force [N] of every triangle of a surface, and its torque about `motion.reference_point` [N m]; 3 x n, in the surface's order, body
+/// frame.
 struct TriangleForces {
   Eigen::Matrix3Xd force, torque;
 };
@@ -82,9 +86,11 @@ std::optional<LineOfAction> line_of_action(const Wrench& wrench, const Eigen::Ve
 
 /// Centre of pressure: where the line of action pierces a plane of the body, the chord plane of a wing, say.
 /// @return  empty where the force lies within 3 degrees of the plane: the cut is then ill-conditioned
-std::optional<Eigen::Vector3d> centre_of_pressure(const LineOfAction& line, const Eigen::Vector3d& plane_point, const Eigen::Vector3d& plane_normal);
+std::optional<Eigen::Vector3d> centre_of_pressure(const LineOfAction& line, const Eigen::Vector3d& plane_point,
+                                                  const Eigen::Vector3d& plane_normal);
 
-/// The tilt pillow that goes with the laws by class: kappa 0.86. `dragval calibrate` says what the present references make of it, and how surely.
+/// The tilt pillow that goes with the laws by class: kappa 0.86. `dragval calibrate` says what the present references make of it, and how
+/// surely.
 Pillow class_pillow();
 
 /// law_for() the surface's class, with class_pillow(): what validation found best. See README for its errors.

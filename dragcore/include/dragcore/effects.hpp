@@ -4,8 +4,8 @@
 
 namespace dragcore {
 
-/// What wrench() can take into account beside windward pressure. An effect is evaluated where the model allows it (`Model::effects`) and the law, the pillow
-/// and the motion have it; otherwise its code does not run.
+/// What wrench() can take into account beside windward pressure. An effect is evaluated where the model allows it (`Model::effects`) and
+/// the law, the pillow and the motion have it; otherwise its code does not run.
 enum class Effect : unsigned {
   leeward_suction = 1u << 0,  ///< the law's polynomial L
   friction = 1u << 1,

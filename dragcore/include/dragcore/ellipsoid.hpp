@@ -44,7 +44,8 @@ class EllipsoidSurface {
 /// converges to.
 ///
 /// @return        force [N], torque about `motion.reference_point` [N m], body frame, by term. Zero where u = 0
-/// @throws std::invalid_argument  if density is negative, anything is not finite, or the law has more than its polynomials: value found, value needed
+/// @throws std::invalid_argument  if density is negative, anything is not finite, or the law has more than its polynomials: value found,
+/// value needed
 /// @accuracy      without spin 1e-12 of the wrench at every incidence and aspect ratio; with spin 1e-3 of it for the default of 3 panels,
 /// falling with
 ///                about the square of their number (docs/ellipsoids.md, tests/dragcore/test_ellipsoid.cpp). With spin, passive point by

@@ -29,10 +29,10 @@ void write_fga(const std::filesystem::path& file, const GridField& field, const 
 
 /// HDF5: root attributes `schema` = "dragcore.wind_field", `schema_version` = "1.0", `outside` = "zero" or "clamp"; datasets `velocity`
 /// [nz, ny, nx, 3] in m/s, `lower` and `upper` [3] in m, each with attributes `units`, `frame` (the field's own) and `long_name`.
-/// Only files with checksums on their structure and texts of fixed length are read, as write_field_hdf5() and h5py with libver='v110' and numpy.bytes_ make
-/// them: others can bring HDF5 1.10 down when they are damaged.
-/// @throws std::runtime_error  file missing, truncated, not HDF5, without checksums or of another schema, wrong shapes, units or types, values that are not
-/// finite: file and fault
+/// Only files with checksums on their structure and texts of fixed length are read, as write_field_hdf5() and h5py with libver='v110' and
+/// numpy.bytes_ make them: others can bring HDF5 1.10 down when they are damaged.
+/// @throws std::runtime_error  file missing, truncated, not HDF5, without checksums or of another schema, wrong shapes, units or types,
+/// values that are not finite: file and fault
 GridField read_field_hdf5(const std::filesystem::path& file);
 
 /// Writes under a temporary name beside it and renames. @throws std::runtime_error when the file cannot be written

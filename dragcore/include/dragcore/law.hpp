@@ -15,18 +15,20 @@ enum class BodyClass {
 
 std::string to_string(BodyClass body_class);
 
-/// A law is data: what a piece of surface feels, as a function of c = |w|/|u|, the cosine between its normal and the flow, and of a few descriptors of
-/// the whole body seen along the flow (descriptors.hpp). q = rho |u|^2/2; docs/model.md, eq. 2, 3 and 7 to 12.
+/// A law is data: what a piece of surface feels, as a function of c = |w|/|u|, the cosine between its normal and the flow, and of a few
+/// descriptors of the whole body seen along the flow (descriptors.hpp). q = rho |u|^2/2; docs/model.md, eq. 2, 3 and 7 to 12.
 ///
 ///   windward (w > 0):  pressure  q S (W(c) + B h g(c) - m chi l(c)),   pushes along -n
 ///   leeward  (w < 0):  suction   q (L(c) - B R lambda/(lambda + lambda_0) r(c)),   pulls along +n
 ///   everywhere:        friction  q f |t| along the tangential part of u, t = |u_t|/|u|
 ///
-/// W and L are polynomials. Pressures count from that of a face parallel to the flow, which closed bodies cannot tell from any other gauge: so every term
-/// vanishes at c = 0 and no force jumps as a face turns edge-on. B is then the suction behind a flat body as felt from the front, R the share of it that
-/// an infinitely deep body recovers. A two-sided sheet has a windward and a leeward side at once. All numbers zero but W: the note.
+/// W and L are polynomials. Pressures count from that of a face parallel to the flow, which closed bodies cannot tell from any other gauge:
+/// so every term vanishes at c = 0 and no force jumps as a face turns edge-on. B is then the suction behind a flat body as felt from the
+/// front, R the share of it that an infinitely deep body recovers. A two-sided sheet has a windward and a leeward side at once. All numbers
+/// zero but W: the note.
 ///
-/// Terms that push a body through the air (negative values) never win: wrench() holds them below `largest_gain` of what the others take (eq. 13).
+/// Terms that push a body through the air (negative values) never win: wrench() holds them below `largest_gain` of what the others take
+/// (eq. 13).
 struct Law {
   using Polynomial = std::array<double, 5>;
   std::string name{};
@@ -58,7 +60,8 @@ Law sheet_law();
 /// For closed bodies at Re >= 1e4: dragcore/laws/closed.toml says what it was fitted to.
 Law closed_law();
 
-/// k_w times the note's windward law, and base suction k_b c (2 - c) on leeward faces: the two coefficients that `dragval calibrate` fits to C_D alone.
+/// k_w times the note's windward law, and base suction k_b c (2 - c) on leeward faces: the two coefficients that `dragval calibrate` fits
+/// to C_D alone.
 Law scaled_law(double windward_scale, double base_suction);
 
 /// The law that validation found best for a class: sheet_law() or closed_law(). See README for its errors.

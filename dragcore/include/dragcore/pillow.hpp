@@ -10,11 +10,11 @@ namespace dragcore {
 /// Every form displaces the points where the pressure acts, and never changes the size of the force; only windward pressure is displaced.
 enum class PillowForm {
   none,
-  triangle,  ///< the note's: circular falloff measured over each triangle. Depends on the triangulation (erratum E13)
-  patch,     ///< circular falloff measured over the connected planar patch: does not depend on the triangulation
-  tilt,      ///< falloff 1 - factor * t (2 s - 1) over the patch, t the tangential fraction: vanishes at normal incidence by itself
-  eccentricity,  ///< the note's shortcut (erratum E12): `triangle` along the flow, but across it the vector from centroid to incentre, whatever the factor.
-                 ///< Jumps at normal incidence. For the record only
+  triangle,      ///< the note's: circular falloff measured over each triangle. Depends on the triangulation (erratum E13)
+  patch,         ///< circular falloff measured over the connected planar patch: does not depend on the triangulation
+  tilt,          ///< falloff 1 - factor * t (2 s - 1) over the patch, t the tangential fraction: vanishes at normal incidence by itself
+  eccentricity,  ///< the note's shortcut (erratum E12): `triangle` along the flow, but across it the vector from centroid to incentre,
+                 ///< whatever the factor. Jumps at normal incidence. For the record only
 };
 
 /// How the cushion grows from the leading edge of a face, s = 0, to its trailing edge, s = 1. For the forms `triangle` and `patch`.
@@ -42,19 +42,21 @@ Falloff falloff_from(const std::string& word);  ///< @throws std::invalid_argume
 /// Accuracy 1e-14. @source [toskan2020] sec. 2.1, in the form of docs/model.md, which has no axes and no singular case.
 Eigen::Vector3d triangle_pillow_weights(double beta, double alpha, Falloff falloff = Falloff::circular);
 
-/// Displacement from the centroid of a triangle to the point where its pressure acts, for air that moves with velocity u relative to it [m].
-/// Zero where u has no tangential part, and for a triangle seen end-on along the flow.
-Eigen::Vector3d triangle_pillow_shift(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, const Eigen::Vector3d& u, double alpha,
-                                      Falloff falloff = Falloff::circular);
+/// Displacement from the centroid of a triangle to the point where its pressure acts, for air that moves with velocity u relative to it
+/// [m]. Zero where u has no tangential part, and for a triangle seen end-on along the flow.
+Eigen::Vector3d triangle_pillow_shift(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+                                      const Eigen::Vector3d& u, double alpha, Falloff falloff = Falloff::circular);
 
 /// The note's shortcut for the same: along the flow as above, across it by the part of (incentre - centroid) that lies there.
-Eigen::Vector3d eccentricity_pillow_shift(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, const Eigen::Vector3d& u, double alpha);
+Eigen::Vector3d eccentricity_pillow_shift(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+                                          const Eigen::Vector3d& u, double alpha);
 
 /// The same over a planar patch, s measured from its leading to its trailing edge along the flow: exact integrals over the outline, so that
 /// the triangles inside do not matter. Accuracy 1e-13 of the chord.
 Eigen::Vector3d patch_pillow_shift(const Patch& patch, const Eigen::Vector3d& u, double alpha, Falloff falloff = Falloff::circular);
 
-/// The tilt form: -kappa (2/L) M2 u_t/|u|, with M2 the second moment of the patch per area, L its chord along the flow, u_t the tangential velocity.
+/// The tilt form: -kappa (2/L) M2 u_t/|u|, with M2 the second moment of the patch per area, L its chord along the flow, u_t the tangential
+/// velocity.
 Eigen::Vector3d tilt_pillow_shift(const Patch& patch, const Eigen::Vector3d& u, double kappa);
 
 /// The note's factor, faded out towards normal incidence where the flow over the face has no direction: alpha * smoothstep((1 - c) / 0.25).

@@ -4,8 +4,9 @@
 
 namespace dragcore {
 
-/// How the note treats spin: drag of the motion of each triangle's centroid, plus drag of the rotation about that centroid, computed apart and added.
-/// Kept so that its error and cost can be shown beside quadrature (docs/model.md, E25): a quadratic force misses its cross term this way.
+/// How the note treats spin: drag of the motion of each triangle's centroid, plus drag of the rotation about that centroid, computed apart
+/// and added. Kept so that its error and cost can be shown beside quadrature (docs/model.md, E25): a quadratic force misses its cross term
+/// this way.
 struct RotationSplit {
   enum class Formulas {
     mended,   ///< closed-form integrals of the local law about the centroid, tilt and net force included
@@ -22,6 +23,7 @@ WrenchByTerm rotation_split_wrench(const Surface& surface, const Motion& motion,
 /// The rotational part alone for one triangle spinning about its centroid: force, and torque about the centroid.
 ///   F = -k N (m_w - share m_l),  M = sum_i (q_w - share q_l)_i (P_i - G) x (-k N),  k = rho (1 - s/2),  s = |N x omega| / |omega|
 /// with m and q the integrals of v_n^2 and v_n^2 lambda_i over the parts that move outwards and inwards.
-Wrench rotating_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, const Eigen::Vector3d& omega, double density, double leeward_share);
+Wrench rotating_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, const Eigen::Vector3d& omega,
+                         double density, double leeward_share);
 
 }  // namespace dragcore

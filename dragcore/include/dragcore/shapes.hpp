@@ -1,7 +1,6 @@
 #pragma once
 
 #include <dragcore/mesh.hpp>
-
 #include <map>
 #include <string>
 #include <string_view>
@@ -12,17 +11,17 @@ namespace dragcore {
 // Shapes as parameters, metres and radians. Frame: docs/conventions.md. The origin is the centroid of the volume; bodies of revolution have
 // their axis along x with the nose at -x.
 
-struct Plate {  ///< rectangular plate; thickness 0 makes an open, two-sided sheet
-  double chord = 1.0;      ///< along x
-  double span = 1.0;       ///< along y
-  double thickness = 0.05; ///< along z
+struct Plate {              ///< rectangular plate; thickness 0 makes an open, two-sided sheet
+  double chord = 1.0;       ///< along x
+  double span = 1.0;        ///< along y
+  double thickness = 0.05;  ///< along z
 };
 struct Box {
   double length = 1.0;  ///< along x
   double width = 1.0;   ///< along y
   double height = 1.0;  ///< along z
 };
-struct Cone {  ///< right circular cone with its base
+struct Cone {                              ///< right circular cone with its base
   double diameter = 1.0;                   ///< of the base
   double apex_angle = 1.0471975511965976;  ///< full angle at the point [rad]; the default is 60 degrees
 };
@@ -43,7 +42,7 @@ struct Teardrop {  ///< a sphere whose rear runs out, tangentially, into a cone;
   double length = 3.0;  ///< nose to tail
 };
 
-struct Prism {  ///< an isosceles triangle in the x-z plane, its point at -x, drawn out along y
+struct Prism {                             ///< an isosceles triangle in the x-z plane, its point at -x, drawn out along y
   double base = 1.0;                       ///< the side opposite to the point, along z
   double span = 1.0;                       ///< along y
   double apex_angle = 1.0471975511965976;  ///< full angle at the point [rad]; the default, 60 degrees, makes it equilateral
@@ -53,12 +52,12 @@ using Shape = std::variant<Plate, Box, Cone, Sphere, Cylinder, Ellipsoid, Teardr
 
 /// Closed-form properties of the exact shape (not of its triangles).
 struct ShapeProperties {
-  double area = 0.0;              ///< wetted [m^2]; a sheet counts one side
-  double volume = 0.0;            ///< [m^3]
-  double reference_area = 0.0;    ///< A_ref of the coefficients [m^2], docs/conventions.md
-  double reference_length = 0.0;  ///< L_ref of the moment coefficients and of Re [m]
-  double nose_x = 0.0;            ///< x of the foremost point; the centroid is the origin [m]
-  double length_x = 0.0;          ///< extent along x [m]
+  double area = 0.0;                                      ///< wetted [m^2]; a sheet counts one side
+  double volume = 0.0;                                    ///< [m^3]
+  double reference_area = 0.0;                            ///< A_ref of the coefficients [m^2], docs/conventions.md
+  double reference_length = 0.0;                          ///< L_ref of the moment coefficients and of Re [m]
+  double nose_x = 0.0;                                    ///< x of the foremost point; the centroid is the origin [m]
+  double length_x = 0.0;                                  ///< extent along x [m]
   Eigen::Vector3d half_extent = Eigen::Vector3d::Zero();  ///< half the size of the bounding box [m] (not centred on the origin in x)
 };
 
@@ -67,7 +66,8 @@ ShapeProperties properties(const Shape& shape);
 
 /// Triangles with all vertices on the exact surface, wound outwards.
 /// @param divisions  edge segments of a plate or box side; segments of a quarter turn of a round body. At least 1.
-///                   Triangles: box 12 n^2; plate 4 n^2 + 8 n (sheet 2 n^2); prism 8 n^2; sphere and ellipsoid 8 n^2; round bodies of order 16 n^2.
+///                   Triangles: box 12 n^2; plate 4 n^2 + 8 n (sheet 2 n^2); prism 8 n^2; sphere and ellipsoid 8 n^2; round bodies of order
+///                   16 n^2.
 /// Area and volume of round bodies converge to properties() with second order.
 TriangleMesh triangulate(const Shape& shape, int divisions);
 

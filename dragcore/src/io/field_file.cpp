@@ -1,5 +1,3 @@
-#include <dragcore/field_file.hpp>
-
 #include <hdf5.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <dragcore/field_file.hpp>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -117,8 +116,8 @@ GridField read_fga(const std::filesystem::path& file, const FgaMeaning& meaning)
   }
   // A number and its separator take two bytes: a file that promises more vectors than it has room for is not worth allocating for.
   if (count > most_points || 6.0 * count > static_cast<double>(body.size()) + 1.0)
-    fail(file, "promises " + std::to_string(grid.points[0]) + " x " + std::to_string(grid.points[1]) + " x " + std::to_string(grid.points[2]) +
-                   " vectors, but has only " + std::to_string(body.size()) +
+    fail(file, "promises " + std::to_string(grid.points[0]) + " x " + std::to_string(grid.points[1]) + " x " +
+                   std::to_string(grid.points[2]) + " vectors, but has only " + std::to_string(body.size()) +
                    " bytes; it is truncated or no FGA file");
   const Vector3d lower = meaning.length_m * numbers.next_vector("the lower bound"),
                  upper = meaning.length_m * numbers.next_vector("the upper bound");
@@ -212,7 +211,8 @@ std::string read_text(const std::filesystem::path& file, hid_t object, const cha
     fail(file, std::string("attribute ") + name + " is not a text");
   // Those of variable length are kept in a heap without checksums, in which HDF5 1.10 loops for ever where it is damaged.
   if (H5Tis_variable_str(type) > 0)
-    fail(file, std::string("attribute ") + name + " is a text of variable length; write it with a fixed one, in Python as numpy.bytes_('…')");
+    fail(file,
+         std::string("attribute ") + name + " is a text of variable length; write it with a fixed one, in Python as numpy.bytes_('…')");
   std::string text(H5Tget_size(type), '\0');
   if (H5Aread(attribute, type, text.data()) < 0) fail(file, std::string("cannot read attribute ") + name);
   return text.substr(0, text.find('\0'));
@@ -234,8 +234,8 @@ void write_numbers(const std::filesystem::path& file, hid_t parent, const char* 
   write_text(file, dataset, "long_name", long_name);
 }
 
-/// HDF5 1.10 reads beyond its memory where a file without checksums on its structure is damaged. Superblocks have them from version 2 on, and so do object
-/// headers, which then begin with "OHDR". Whatever is opened must have been through here.
+/// HDF5 1.10 reads beyond its memory where a file without checksums on its structure is damaged. Superblocks have them from version 2 on,
+/// and so do object headers, which then begin with "OHDR". Whatever is opened must have been through here.
 class Checksums {
  public:
   explicit Checksums(const std::filesystem::path& file) : file_(file), in_(file, std::ios::binary) {
@@ -256,7 +256,8 @@ class Checksums {
   /// Of the object behind a link.
   void require_of(hid_t parent, const char* name, const std::string& what) {
     H5L_info_t link;
-    if (H5Lget_info(parent, name, &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD) fail(file_, what + " is a link to another place; put the data here");
+    if (H5Lget_info(parent, name, &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD)
+      fail(file_, what + " is a link to another place; put the data here");
     require_at(link.u.address, what);
   }
 
@@ -268,8 +269,10 @@ class Checksums {
     if (!in_ || std::string_view(word.data(), word.size()) != "OHDR") refuse(what);
   }
   [[noreturn]] void refuse(const std::string& what) const {
-    fail(file_, what + " is damaged, or of HDF5's oldest format, which has no checksums; write the file with write_field_hdf5 or, in Python, with "
-                       "h5py.File(…, libver='v110')");
+    fail(file_,
+         what +
+             " is damaged, or of HDF5's oldest format, which has no checksums; write the file with write_field_hdf5 or, in Python, with "
+             "h5py.File(…, libver='v110')");
   }
 
   const std::filesystem::path& file_;

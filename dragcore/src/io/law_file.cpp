@@ -1,10 +1,9 @@
-#include <dragcore/law_file.hpp>
-
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>
 #include <cstdint>
+#include <dragcore/law_file.hpp>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
@@ -16,8 +15,8 @@ namespace {
 [[noreturn]] void malformed() { throw std::runtime_error("malformed value, a broken date or time perhaps"); }
 }  // namespace
 
-// toml++ 3.3 takes for certain what bytes from outside may break ("T" in a date is followed by a digit): it aborts in debug builds and assumes it in others.
-// Checked here in every build, a breach is one more fault of the text.
+// toml++ 3.3 takes for certain what bytes from outside may break ("T" in a date is followed by a digit): it aborts in debug builds and
+// assumes it in others. Checked here in every build, a breach is one more fault of the text.
 #undef NDEBUG
 #define TOML_ASSERT(certain) ((certain) ? static_cast<void>(0) : malformed())
 // Compiled in, so that nobody who links the library needs toml++.
@@ -57,13 +56,19 @@ static_assert(sizeof(Law) == sizeof(std::string) + polynomials.size() * sizeof(L
 /// What a value is, in words for people.
 std::string kind(const toml::node& node) {
   switch (node.type()) {
-    case toml::node_type::table: return "a table";
-    case toml::node_type::array: return "a list";
-    case toml::node_type::string: return "a text";
+    case toml::node_type::table:
+      return "a table";
+    case toml::node_type::array:
+      return "a list";
+    case toml::node_type::string:
+      return "a text";
     case toml::node_type::integer:
-    case toml::node_type::floating_point: return "a number";
-    case toml::node_type::boolean: return "true or false";
-    default: return "a date or time";
+    case toml::node_type::floating_point:
+      return "a number";
+    case toml::node_type::boolean:
+      return "true or false";
+    default:
+      return "a date or time";
   }
 }
 
@@ -83,7 +88,8 @@ Law::Polynomial polynomial(const std::string& name, const std::string& key, cons
   const toml::array* list = node.as_array();
   const std::string needed = "a list of " + std::to_string(result.size()) + " numbers, the coefficients of 1, c, c^2, c^3, c^4";
   if (!list) fail(name, node.source(), key + " is " + kind(node) + "; needed: " + needed);
-  if (list->size() != result.size()) fail(name, node.source(), key + " has " + std::to_string(list->size()) + " coefficients; needed: " + needed);
+  if (list->size() != result.size())
+    fail(name, node.source(), key + " has " + std::to_string(list->size()) + " coefficients; needed: " + needed);
   for (std::size_t i = 0; i < result.size(); ++i) result[i] = number(name, key + "[" + std::to_string(i) + "]", *list->get(i));
   return result;
 }
@@ -182,7 +188,8 @@ std::string to_toml(const LawFile& file) {
   if (file.provenance.empty()) return result;
   result += "\n[provenance]\n";
   for (const auto& [key, value] : file.provenance) {
-    const bool bare = !key.empty() && key.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") == std::string::npos;
+    const bool bare =
+        !key.empty() && key.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") == std::string::npos;
     result += (bare ? key : in_quotes(key)) + " = " + in_quotes(value) + "\n";
   }
   return result;
@@ -192,8 +199,8 @@ std::string to_toml(const LawFile& file) {
 
 LawFile parse_law(std::string_view text, const std::string& name_for_messages) {
   if (text.size() > most_bytes)
-    fail(name_for_messages,
-         "has " + std::to_string(text.size()) + " bytes; a law has less than " + std::to_string(most_bytes) + ". It is another kind of file");
+    fail(name_for_messages, "has " + std::to_string(text.size()) + " bytes; a law has less than " + std::to_string(most_bytes) +
+                                ". It is another kind of file");
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // the mark that some editors put before UTF-8
   // The tables of Unicode in toml++ 3.3 have holes: some letters outside of quotes are undefined behaviour.
   if (const auto* odd = std::find_if(text.data(), text.data() + text.size(), [](char c) { return static_cast<unsigned char>(c) >= 0x80; });

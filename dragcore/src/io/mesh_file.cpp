@@ -1,18 +1,18 @@
-#include <dragcore/mesh_file.hpp>
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <dragcore/mesh_file.hpp>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -28,7 +28,9 @@ namespace dragcore {
 
 namespace {
 
-[[noreturn]] void fail(const std::filesystem::path& file, const std::string& fault) { throw std::runtime_error("mesh file " + file.string() + ": " + fault); }
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& fault) {
+  throw std::runtime_error("mesh file " + file.string() + ": " + fault);
+}
 
 /// The importer is given the bytes of one file and may open no other.
 class NoOtherFile : public Assimp::IOSystem {
@@ -62,8 +64,8 @@ void check_stl(const std::filesystem::path& file, std::string_view bytes) {
     while (text >> word)
       if (word == "facet" || word == "endsolid") return check_ascii_end(file, bytes);
   }
-  fail(file, "truncated or damaged: its header promises " + std::to_string(count) + " triangles, " + std::to_string(needed) + " bytes, but it has " +
-                 std::to_string(bytes.size()) + ". Export it again");
+  fail(file, "truncated or damaged: its header promises " + std::to_string(count) + " triangles, " + std::to_string(needed) +
+                 " bytes, but it has " + std::to_string(bytes.size()) + ". Export it again");
 }
 
 /// The words of a line, none of which goes on behind its end.
@@ -88,8 +90,8 @@ std::optional<Number> number_of(std::string_view word) {
   return value;
 }
 
-/// Splits a polygon into triangles by cutting off ears, convex corners whose triangle holds no other corner; a convex one becomes a fan from its first corner.
-/// Where there is no ear, because edges cross or all lies on a line, the rest becomes a fan too.
+/// Splits a polygon into triangles by cutting off ears, convex corners whose triangle holds no other corner; a convex one becomes a fan
+/// from its first corner. Where there is no ear, because edges cross or all lies on a line, the rest becomes a fan too.
 void split(const std::vector<Eigen::Vector3d>& vertices, std::vector<int> corners, std::vector<Eigen::Vector3i>& triangles) {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   const auto place = [&](int corner) -> const Eigen::Vector3d& { return vertices[static_cast<std::size_t>(corner)]; };
@@ -207,7 +209,8 @@ TriangleMesh read_stl(const std::filesystem::path& file, std::string_view bytes)
   for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
     const aiMesh& part = *scene->mMeshes[m];
     const int first = static_cast<int>(mesh.vertices.size());
-    for (unsigned v = 0; v < part.mNumVertices; ++v) mesh.vertices.emplace_back(part.mVertices[v].x, part.mVertices[v].y, part.mVertices[v].z);
+    for (unsigned v = 0; v < part.mNumVertices; ++v)
+      mesh.vertices.emplace_back(part.mVertices[v].x, part.mVertices[v].y, part.mVertices[v].z);
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const aiFace& face = part.mFaces[f];
       if (face.mNumIndices != 3) continue;
@@ -254,7 +257,8 @@ void write_stl(const std::filesystem::path& file, const TriangleMesh& mesh) {
   for (const Eigen::Vector3i& t : mesh.triangles) {
     const Eigen::Vector3d &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
     const Eigen::Vector3f n = (b - a).cross(c - a).normalized().cast<float>();
-    for (const Eigen::Vector3f& v : {n, Eigen::Vector3f(a.cast<float>()), Eigen::Vector3f(b.cast<float>()), Eigen::Vector3f(c.cast<float>())})
+    for (const Eigen::Vector3f& v :
+         {n, Eigen::Vector3f(a.cast<float>()), Eigen::Vector3f(b.cast<float>()), Eigen::Vector3f(c.cast<float>())})
       out.write(reinterpret_cast<const char*>(v.data()), 3 * sizeof(float));
     const std::uint16_t attribute = 0;
     out.write(reinterpret_cast<const char*>(&attribute), sizeof attribute);
