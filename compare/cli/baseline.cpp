@@ -1,4 +1,4 @@
-#include "compare/baseline.hpp"
+#include "compare/gate/baseline.hpp"
 
 #include <fmt/format.h>
 

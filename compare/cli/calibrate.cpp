@@ -7,7 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "compare/calibration.hpp"
+#include "compare/calibration/calibration.hpp"
 #include "compare/cli/commands.hpp"
 
 namespace cli {

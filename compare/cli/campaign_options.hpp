@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "cfd_cases/campaign.hpp"
-#include "compare/cost.hpp"
+#include "cfd_cases/campaign/campaign.hpp"
+#include "compare/calibration/cost.hpp"
 
 namespace CLI {
 class App;

@@ -6,7 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "cfd_cases/matrix.hpp"
+#include "cfd_cases/flow_case/matrix.hpp"
 #include "compare/cli/commands.hpp"
 
 namespace cli {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "compare/prediction.hpp"
-#include "compare/store.hpp"
+#include "compare/calibration/prediction.hpp"
+#include "compare/store/store.hpp"
 
 namespace CLI {
 class App;

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/cli/commands.hpp"
-#include "compare/error_table.hpp"
-#include "compare/note_table.hpp"
-#include "compare/spin_table.hpp"
+#include "compare/tables/error_table.hpp"
+#include "compare/tables/note_table.hpp"
+#include "compare/tables/spin_table.hpp"
 
 namespace cli {
 

@@ -1,4 +1,4 @@
-#include "compare/cost.hpp"
+#include "compare/calibration/cost.hpp"
 
 #include <fmt/format.h>  // before any header of compare: fmt has a function of that name
 
@@ -123,7 +123,7 @@ void add_cost(CLI::App& app, Context&) {
   command->add_flag("--all", options->all, "All orders of quadrature, not only the default");
   CLI::Option* fit_option =
       command->add_flag("--fit", options->fit, "Instead: fit the model of what a CFD case costs, which `dragval plan` uses, and print it");
-  command->add_option("--write", options->write, "Where to put the fitted model: cfd_cases/cost_model.toml")->needs(fit_option);
+  command->add_option("--write", options->write, "Where to put the fitted model: cfd_cases/campaign/cost_model.toml")->needs(fit_option);
   command->callback([options] {
     if (options->fit) return fit(options->source, options->write);
     const auto records = load(options->source).reference.cases;

@@ -5,8 +5,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "cfd_cases/slurm.hpp"
-#include "cfd_cases/tools.hpp"
+#include "cfd_cases/campaign/slurm.hpp"
+#include "cfd_cases/campaign/tools.hpp"
 #include "compare/cli/commands.hpp"
 
 namespace cli {

@@ -1,4 +1,4 @@
-#include "compare/gate.hpp"
+#include "compare/gate/gate.hpp"
 
 #include <unistd.h>
 

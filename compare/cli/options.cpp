@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <set>
 
-#include "cfd_cases/matrix.hpp"
+#include "cfd_cases/flow_case/matrix.hpp"
+#include "compare/calibration/prediction.hpp"
 #include "compare/cli/commands.hpp"
-#include "compare/prediction.hpp"
-#include "compare/uncertainty.hpp"
+#include "compare/reference/uncertainty.hpp"
 #include "dragcore/law_file.hpp"
 
 namespace cli {

@@ -1,4 +1,4 @@
-#include "compare/report.hpp"
+#include "compare/report/report.hpp"
 
 #include <fmt/format.h>
 

@@ -5,8 +5,8 @@
 #include <csignal>
 #include <memory>
 
-#include "cfd_cases/slurm.hpp"
-#include "cfd_cases/subprocess.hpp"
+#include "cfd_cases/campaign/slurm.hpp"
+#include "cfd_cases/campaign/subprocess.hpp"
 #include "compare/cli/campaign_options.hpp"
 #include "compare/cli/commands.hpp"
 

@@ -7,8 +7,8 @@
 #include <memory>
 
 #include "compare/cli/commands.hpp"
-#include "compare/mesh_table.hpp"
-#include "compare/truth_table.hpp"
+#include "compare/tables/mesh_table.hpp"
+#include "compare/tables/truth_table.hpp"
 
 namespace cli {
 

@@ -1,4 +1,4 @@
-#include "compare/variants.hpp"
+#include "compare/tables/variants.hpp"
 
 #include <fmt/format.h>  // before any header of compare: fmt has a function of that name
 #include <unistd.h>

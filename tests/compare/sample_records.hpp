@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "compare/calibration/prediction.hpp"
 #include "compare/case_record/case_record.hpp"
-#include "compare/coefficients.hpp"
-#include "compare/prediction.hpp"
+#include "compare/reference/coefficients.hpp"
 
 /// Case records made by code: inputs of tests, not results. Their flow is a formula, so that every expected value can be worked out.
 namespace sample {

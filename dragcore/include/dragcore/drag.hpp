@@ -58,7 +58,8 @@ inline constexpr double largest_gain = 0.95;
 /// @throws std::invalid_argument  if density is negative, the pillow factor is out of range, the law is not valid, `triangle_wind` has not
 /// one entry per
 ///                                triangle, or anything is not finite: value found, value needed (unless Model::check is off)
-/// @accuracy      within 1e-12 of reference::wrench (tests/dragcore/test_drag.cpp); one point per triangle is exact for motion without spin
+/// @accuracy      within 1e-12 of reference::wrench (tests/dragcore/drag/test_drag.cpp); one point per triangle is exact for motion without
+/// spin
 /// @source        [toskan2020] sec. 2 and 2.1; differs: leeward faces never feel windward pressure, spin by quadrature instead of a
 /// separate law
 WrenchByTerm wrench(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model);

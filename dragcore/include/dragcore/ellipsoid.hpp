@@ -48,8 +48,8 @@ class EllipsoidSurface {
 /// value needed
 /// @accuracy      without spin 1e-12 of the wrench at every incidence and aspect ratio; with spin 1e-3 of it for the default of 3 panels,
 /// falling with
-///                about the square of their number (docs/ellipsoids.md, tests/dragcore/test_ellipsoid.cpp). With spin, passive point by
-///                point
+///                about the square of their number (docs/ellipsoids.md, tests/dragcore/ellipsoid/test_ellipsoid.cpp). With spin, passive
+///                point by point
 /// @source        the law is [toskan2020] sec. 2; the reduction to one integral is ours
 WrenchByTerm wrench(const EllipsoidSurface& ellipsoid, const Motion& motion, const Medium& medium, const Law& law);
 

@@ -45,7 +45,7 @@ void validate(const Follower& follower);
 /// Exactly opposite to its aim it turns about its z axis (y if z is locked).
 ///
 /// @throws std::invalid_argument  as validate; if dt is negative or anything is not finite
-/// @accuracy 1e-12 between 1 and 240 steps (tests/dragcore/test_follower.cpp)
+/// @accuracy 1e-12 between 1 and 240 steps (tests/dragcore/wind/test_follower.cpp)
 /// @source [toskan2020] sec. 3.4; differs: the printed displacement has no lag (erratum E28): it is the limit tau -> 0
 FollowerState step(const Follower& follower, const FollowerState& state, const Eigen::Vector3d& wind, double dt);
 

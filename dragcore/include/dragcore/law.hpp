@@ -1,19 +1,11 @@
 #pragma once
 
 #include <array>
+#include <dragcore/body_class.hpp>
 #include <string>
 #include <vector>
 
 namespace dragcore {
-
-/// What a surface is to the air; found by Surface from the mesh, and what decides which law serves it best (law_for()).
-enum class BodyClass {
-  sheet,   ///< two-sided, open, or closed with a mean thickness below 0.12 of its middle extent: plates, discs, bowls
-  sharp,   ///< closed, most of its area flat along some direction and bounded by sharp edges: boxes, prisms, cones
-  smooth,  ///< closed, more than half of its area curved in every direction: balls, teardrops
-};
-
-std::string to_string(BodyClass body_class);
 
 /// A law is data: what a piece of surface feels, as a function of c = |w|/|u|, the cosine between its normal and the flow, and of a few
 /// descriptors of the whole body seen along the flow (descriptors.hpp). q = rho |u|^2/2; docs/model.md, eq. 2, 3 and 7 to 12.

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <dragcore/law.hpp>
+#include <dragcore/body_class.hpp>
 #include <dragcore/mesh.hpp>
 #include <vector>
 

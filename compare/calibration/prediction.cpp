@@ -1,0 +1,60 @@
+#include "compare/calibration/prediction.hpp"
+
+#include <map>
+#include <mutex>
+#include <string>
+#include <tuple>
+
+namespace compare {
+
+int default_divisions(const dragcore::Shape& shape) {
+  return std::holds_alternative<dragcore::Plate>(shape) || std::holds_alternative<dragcore::Box>(shape) ? 2 : 32;
+}
+
+namespace {
+
+/// Surfaces are prepared once per shape and resolution: a report evaluates each of them thousands of times.
+const dragcore::Surface& prepared(const dragcore::Shape& shape, int divisions) {
+  static std::mutex mutex;
+  static std::map<std::tuple<std::string, std::map<std::string, double>, int>, dragcore::Surface> surfaces;
+  const std::scoped_lock lock(mutex);
+  const auto key = std::tuple(dragcore::kind(shape), dragcore::parameters(shape), divisions);
+  const auto found = surfaces.find(key);
+  if (found != surfaces.end()) return found->second;
+  const auto* plate = std::get_if<dragcore::Plate>(&shape);
+  const bool sheet = plate && plate->thickness == 0.0;
+  return surfaces
+      .try_emplace(key, dragcore::triangulate(shape, divisions), sheet ? dragcore::Surface::Sides::two : dragcore::Surface::Sides::one)
+      .first->second;
+}
+
+}  // namespace
+
+ModelChoice ModelChoice::of_class(const dragcore::Pillow& pillow) {
+  ModelChoice choice(dragcore::Model{.pillow = pillow});
+  choice.by_class = true;
+  return choice;
+}
+
+dragcore::Model ModelChoice::on(const dragcore::Surface& surface) const {
+  dragcore::Model chosen = model;
+  if (by_class) chosen.law = dragcore::law_for(surface.body_class);
+  return chosen;
+}
+
+dragcore::WrenchByTerm predict(const case_record::CaseRecord& record, const ModelChoice& choice, int divisions) {
+  const dragcore::Surface& surface = prepared(record.shape, divisions > 0 ? divisions : default_divisions(record.shape));
+  const Eigen::Matrix3d to_wind = record.pose.rotation();
+  dragcore::Motion motion;
+  if (!record.still_air) motion.wind = to_wind.transpose() * Eigen::Vector3d(record.speed, 0.0, 0.0);
+  motion.angular_velocity = to_wind.transpose() * record.angular_velocity;
+  dragcore::WrenchByTerm wrench = dragcore::wrench(surface, motion, {.density = record.density}, choice.on(surface));
+  for (dragcore::Wrench& term : wrench.terms) term = {to_wind * term.force, to_wind * term.torque};
+  return wrench;
+}
+
+Predictor predictor(const ModelChoice& choice, int divisions) {
+  return [choice, divisions](const case_record::CaseRecord& record) { return predict(record, choice, divisions).total(); };
+}
+
+}  // namespace compare

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <dragcore/drag.hpp>
+#include <functional>
+#include <string>
+
+#include "compare/case_record/case_record.hpp"
+
+namespace compare {
+
+/// Divisions for triangulate(): 2 for flat-sided shapes, on which force and patch-level pillow do not depend on the mesh; 32 for round
+/// ones, where the error of the faceted surface is below 0.3 % (second order, tests/compare/calibration/test_prediction.cpp).
+int default_divisions(const dragcore::Shape& shape);
+
+/// One model for every body, or the law that suits the class of each (dragcore::law_for) with one pillow for all.
+struct ModelChoice {
+  dragcore::Model model{};
+  bool by_class = false;  ///< the law is chosen by the body; `model.law` is not used
+
+  ModelChoice() = default;  ///< the note's law
+  ModelChoice(const dragcore::Model& fixed) : model(fixed) {}
+  static ModelChoice of_class(const dragcore::Pillow& pillow = {});
+
+  dragcore::Model on(const dragcore::Surface& surface) const;
+};
+
+/// A model under the name that tables and baselines give it.
+struct NamedModel {
+  std::string name;
+  ModelChoice choice;
+};
+
+/// What the drag model says about a case: body in the pose, wind along +x of the wind frame (none in still air), at the case's speed, spin
+/// and density. A plate without thickness is two-sided.
+/// @param divisions  of the triangulation; 0 takes default_divisions()
+/// @return           force [N] and moment about the body's centroid [N m], wind frame, by term
+dragcore::WrenchByTerm predict(const case_record::CaseRecord& record, const ModelChoice& choice, int divisions = 0);
+
+/// Any model: what a comparison asks. predict() bound to a drag law is one, a table of somebody else's numbers another.
+using Predictor = std::function<dragcore::Wrench(const case_record::CaseRecord&)>;
+Predictor predictor(const ModelChoice& choice, int divisions = 0);
+
+}  // namespace compare

@@ -1,0 +1,172 @@
+#include "compare/gate/baseline.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <stdexcept>
+
+#include "compare/gate/gate.hpp"
+
+namespace compare {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* schema = "dragval baseline 1";
+// Budgets of new entries, in units of the coefficients: half a percent of a coefficient of order one for a group, one percent for a case.
+constexpr double group_budget = 0.005;
+constexpr double case_budget = 0.01;
+
+json optional_json(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
+std::optional<double> optional_from(const json& value) { return value.is_null() ? std::nullopt : std::optional(value.get<double>()); }
+
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  return fmt::format("{:04}-{:02}-{:02}", parts.tm_year + 1900, parts.tm_mon + 1, parts.tm_mday);
+}
+
+std::string number(const std::optional<double>& value) { return value ? fmt::format("{:.6f}", *value) : "none"; }
+
+bool same(const std::optional<double>& a, const std::optional<double>& b) {
+  return a.has_value() == b.has_value() && (!a || std::abs(*a - *b) <= rounding * std::max(1.0, std::abs(*a)));
+}
+
+}  // namespace
+
+std::vector<NamedModel> gated_models() {
+  using dragcore::Model;
+  using dragcore::PillowForm;
+  return {
+      {"note", Model{}},
+      {"note, patch pillow 1", Model{.law = dragcore::note_law(), .pillow = {PillowForm::patch, 1.0}}},
+      {"note, tilt pillow 0.9", Model{.law = dragcore::note_law(), .pillow = {PillowForm::tilt, 0.9}}},
+      {"consistent, tilt pillow 0.9", Model{.law = dragcore::consistent_law(), .pillow = {PillowForm::tilt, 0.9}}},
+      {"scaled 0.89 suction 0.25, tilt pillow 1.36", Model{.law = dragcore::scaled_law(0.89, 0.25), .pillow = {PillowForm::tilt, 1.36}}},
+      {"by class, tilt pillow 0.86", ModelChoice::of_class(dragcore::class_pillow())}};
+}
+
+Baseline make_baseline(const std::vector<case_record::CaseRecord>& records, const std::string& reason, const Baseline& previous) {
+  if (reason.empty()) throw std::invalid_argument("a baseline needs a reason, which stays in it: --reason \"why the errors may change\"");
+  Baseline baseline;
+  baseline.history = previous.history;
+  baseline.history.push_back({today(), reason});
+  baseline.case_budget = previous.history.empty() ? case_budget : previous.case_budget;
+  for (const NamedModel& named : gated_models()) {
+    const ErrorTable table = compare_with(records, predictor(named.choice), named.name);
+    Baseline::Model& model = baseline.models[named.name];
+    std::set<std::string> planned;
+    for (const ErrorRow& row : table.rows) {
+      if (!row.cfd && row.channel == Channel::drag) continue;  // not usable: nothing to accept
+      if (row.status != "steady" && row.status != "statistically_steady") continue;
+      // Without the part of the method: a gate sees the same references twice, and what their equations leave open excuses no change.
+      model.cases[row.case_name][symbol(row.channel)] = {row.model, row.cfd, row.u_numerical};
+      planned.insert(row.case_name);
+    }
+    for (const ErrorSummary& summary : table.summaries) {
+      double budget = group_budget;
+      if (const auto old = previous.models.find(named.name); old != previous.models.end())
+        if (const auto group = old->second.groups.find(summary.group); group != old->second.groups.end())
+          if (const auto entry = group->second.find(symbol(summary.channel)); entry != group->second.end()) budget = entry->second.budget;
+      model.groups[summary.group][symbol(summary.channel)] = {summary.rms, budget};
+    }
+    baseline.planned.assign(planned.begin(), planned.end());
+  }
+  if (baseline.planned.empty()) throw std::invalid_argument("no usable case to make a baseline of; run a matrix and collect it first");
+  return baseline;
+}
+
+Baseline read_baseline(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  if (!file)
+    throw std::invalid_argument(fmt::format(
+        "no baseline at {}; restore it from version control, or make one: dragval baseline accept --reason \"...\"", path.string()));
+  try {
+    const json document = json::parse(file);
+    if (document.at("schema") != schema)
+      throw std::runtime_error(fmt::format("schema is {}, '{}' is needed", document.at("schema").dump(), schema));
+    Baseline baseline;
+    for (const json& entry : document.at("history")) baseline.history.push_back({entry.at("date"), entry.at("reason")});
+    baseline.case_budget = document.at("case_budget");
+    baseline.planned = document.at("planned").get<std::vector<std::string>>();
+    for (const auto& [name, model] : document.at("models").items()) {
+      Baseline::Model& target = baseline.models[name];
+      for (const auto& [case_name, channels] : model.at("cases").items())
+        for (const auto& [channel, entry] : channels.items())
+          target.cases[case_name][channel] = {optional_from(entry.at("model")), optional_from(entry.at("cfd")), entry.at("u")};
+      for (const auto& [group, channels] : model.at("groups").items())
+        for (const auto& [channel, entry] : channels.items()) target.groups[group][channel] = {entry.at("rms"), entry.at("budget")};
+    }
+    return baseline;
+  } catch (const std::exception& error) {
+    throw std::invalid_argument(fmt::format("{} is not a baseline: {}; restore it from version control", path.string(), error.what()));
+  }
+}
+
+void write_baseline(const std::filesystem::path& path, const Baseline& baseline) {
+  json document = {{"schema", schema}, {"case_budget", baseline.case_budget}, {"planned", baseline.planned}};
+  for (const auto& acceptance : baseline.history) document["history"].push_back({{"date", acceptance.date}, {"reason", acceptance.reason}});
+  for (const auto& [name, model] : baseline.models) {
+    json& target = document["models"][name];
+    for (const auto& [case_name, channels] : model.cases)
+      for (const auto& [channel, entry] : channels)
+        target["cases"][case_name][channel] = {{"model", optional_json(entry.model)}, {"cfd", optional_json(entry.cfd)}, {"u", entry.u}};
+    for (const auto& [group, channels] : model.groups)
+      for (const auto& [channel, entry] : channels) target["groups"][group][channel] = {{"rms", entry.rms}, {"budget", entry.budget}};
+  }
+  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path());
+  const std::filesystem::path partial = path.string() + ".partial";
+  std::ofstream file(partial);
+  file << document.dump(1) << "\n";
+  file.close();
+  if (!file) throw std::runtime_error("could not write " + partial.string() + "; check space and permissions");
+  std::filesystem::rename(partial, path);
+}
+
+std::vector<std::string> differences(const Baseline& before, const Baseline& after) {
+  std::vector<std::string> lines;
+  const auto listed = [](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  for (const std::string& name : before.planned)
+    if (!listed(after.planned, name)) lines.push_back("- case " + name);
+  for (const std::string& name : after.planned)
+    if (!listed(before.planned, name)) lines.push_back("+ case " + name);
+  for (const auto& [name, model] : after.models) {
+    const auto old = before.models.find(name);
+    if (old == before.models.end()) {
+      lines.push_back("+ model " + name);
+      continue;
+    }
+    for (const auto& [case_name, channels] : model.cases) {
+      const auto old_case = old->second.cases.find(case_name);
+      if (old_case == old->second.cases.end()) continue;  // told above
+      for (const auto& [channel, entry] : channels) {
+        const auto found = old_case->second.find(channel);
+        const Baseline::Entry was = found == old_case->second.end() ? Baseline::Entry{} : found->second;
+        if (!same(was.model, entry.model))
+          lines.push_back(fmt::format("{} {} {}: model {} -> {}", name, case_name, channel, number(was.model), number(entry.model)));
+        if (!same(was.cfd, entry.cfd))
+          lines.push_back(fmt::format("{} {} {}: CFD {} -> {}", name, case_name, channel, number(was.cfd), number(entry.cfd)));
+      }
+    }
+    for (const auto& [group, channels] : model.groups)
+      for (const auto& [channel, entry] : channels) {
+        const auto old_group = old->second.groups.find(group);
+        if (old_group == old->second.groups.end() || !old_group->second.contains(channel)) continue;
+        if (const double was = old_group->second.at(channel).rms; !same(was, entry.rms))
+          lines.push_back(fmt::format("{} [{}] {}: rms error {:.6f} -> {:.6f}", name, group, channel, was, entry.rms));
+      }
+  }
+  for (const auto& [name, model] : before.models)
+    if (!after.models.contains(name)) lines.push_back("- model " + name);
+  return lines;
+}
+
+}  // namespace compare

@@ -1,0 +1,193 @@
+#include "compare/gate/gate.hpp"
+
+#include <fmt/color.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+namespace compare {
+namespace {
+
+using case_record::CaseRecord;
+
+/// Collects one check: how many numbers were seen, which were too far off, and the worst that still passed.
+class Tally {
+ public:
+  explicit Tally(std::string name) : name_(std::move(name)) {}
+
+  /// @param excess  how far beyond what is allowed, relative to it: more than 1 fails
+  void add(double excess, const std::string& what) {
+    ++seen_;
+    if (!(excess <= 1.0)) offenders_.push_back(what);
+    if (excess > worst_excess_ || worst_.empty()) worst_excess_ = excess, worst_ = what;
+  }
+  GateCheck result() const {
+    constexpr std::size_t shown = 5;  // one defect may turn a hundred numbers red
+    GateCheck check{name_, seen_ > 0 && offenders_.empty(), seen_, ""};
+    if (seen_ == 0)
+      check.detail = "nothing to look at";
+    else if (offenders_.empty())
+      check.detail = "nearest to its limit: " + worst_;
+    else
+      check.detail = fmt::format(
+          "{} of {} outside: {}", offenders_.size(), seen_,
+          fmt::join(offenders_.begin(), offenders_.begin() + static_cast<std::ptrdiff_t>(std::min(shown, offenders_.size())), "; "));
+    return check;
+  }
+
+ private:
+  std::string name_;
+  int seen_ = 0;
+  std::vector<std::string> offenders_;
+  double worst_excess_ = 0.0;
+  std::string worst_;
+};
+
+/// A value, or its absence, against what the baseline has.
+void compare_values(Tally& tally, const std::string& where, const std::optional<double>& now, const std::optional<double>& was) {
+  if (!now && !was) return;
+  if (!now || !was)
+    tally.add(2.0, fmt::format("{} is {}defined, was {}", where, now ? "" : "un", was ? "defined" : "undefined"));
+  else
+    tally.add(std::abs(*now - *was) / (rounding * std::max(1.0, std::abs(*was))),
+              fmt::format("{} {:.9f}, baseline {:.9f}", where, *now, *was));
+}
+
+void check_null_channels(Tally& tally, const CaseFamily& family, const dragcore::Wrench& predicted) {
+  // A triangulation need not share every mirror plane of its body (diagonals, facets): a thousandth of q A_ref is far above that and far
+  // below any flipped or mixed axis. References: what their own uncertainty says, at least 2 % for a steady wake that leans to one side.
+  constexpr double null_prediction = 1e-3, null_reference = 0.02;
+  const CaseRecord& record = *family.record;
+  const auto scales = coefficient_scales(record);
+  const auto ours = coefficients(record, predicted.force, predicted.torque).values;
+  const auto theirs = coefficients(record).values;
+  const auto null = null_channels(record);
+  for (std::size_t k = 0; k < null.size(); ++k) {
+    if (!null[k]) continue;
+    const auto index = static_cast<Eigen::Index>(k);
+    const std::string where = record.name + " " + symbol(static_cast<Channel>(k));
+    tally.add(std::abs(ours[index]) / null_prediction,
+              fmt::format("{} {:+.2e} predicted, at most {:.0e}", where, ours[index], null_prediction));
+    const double allowed = std::max(null_reference, 3.0 * family.uncertainty.numerical[index] / scales[index]);
+    tally.add(std::abs(theirs[index]) / allowed, fmt::format("{} {:+.2e} in the reference, at most {:.2g}", where, theirs[index], allowed));
+  }
+}
+
+}  // namespace
+
+bool GateResult::passed() const {
+  return complete() && !checks.empty() && std::all_of(checks.begin(), checks.end(), [](const GateCheck& check) { return check.passed; });
+}
+
+GateResult run_gate(const Baseline& baseline, const std::vector<CaseRecord>& records,
+                    const std::function<Predictor(const NamedModel&)>& predictor_of) {
+  GateResult result;
+  result.planned = static_cast<int>(baseline.planned.size());
+  std::map<std::string, std::size_t> compared;  // in how many of the models
+  const std::vector<CaseOfRecord> records_of_pose = cases_of_record(records);
+  for (const NamedModel& named : gated_models()) {
+    const auto found = baseline.models.find(named.name);
+    if (found == baseline.models.end()) {
+      result.checks.push_back({named.name, false, 0, "not in the baseline; see dragval baseline diff, then accept it with a reason"});
+      continue;
+    }
+    const Baseline::Model& accepted = found->second;
+    const Predictor predict_case = predictor_of(named);
+    const ErrorTable table = compare_with(records, predict_case, named.name);
+    Tally predictions(named.name + ": predictions"), references(named.name + ": references"), groups(named.name + ": group error"),
+        cases(named.name + ": case error"), signs(named.name + ": signs"), null(named.name + ": null channels");
+
+    std::map<std::pair<std::string, std::string>, const ErrorRow*> rows;
+    for (const ErrorRow& row : table.rows) rows[{row.case_name, symbol(row.channel)}] = &row;
+    for (const auto& [case_name, channels] : accepted.cases)
+      for (const auto& [channel, was] : channels) {
+        const std::string where = case_name + " " + channel;
+        const auto row = rows.find({case_name, channel});
+        const ErrorRow now = row == rows.end() ? ErrorRow{} : *row->second;
+        if (now.cfd && channel == symbol(Channel::drag)) ++compared[case_name];
+        // A case that has gone is the business of coverage; a channel of a case that is there is ours.
+        if (!rows.contains({case_name, symbol(Channel::drag)})) continue;
+        compare_values(predictions, where, now.model, was.model);
+        compare_values(references, where, now.cfd, was.cfd);
+        if (was.model && now.model && std::abs(*was.model) > 0.01)
+          signs.add(*was.model * *now.model > 0.0 ? 0.0 : 2.0, fmt::format("{} {:+.4f}, baseline {:+.4f}", where, *now.model, *was.model));
+        if (was.model && was.cfd && now.error) {
+          const double before = std::abs(*was.model - *was.cfd), after = std::abs(*now.error);
+          const double allowed = std::max(baseline.case_budget, 2.0 * was.u);
+          cases.add((after - before) / allowed,
+                    fmt::format("{} |error| {:.4f}, was {:.4f}, may grow by {:.4f}", where, after, before, allowed));
+        }
+      }
+    for (const ErrorSummary& summary : table.summaries) {
+      const auto group = accepted.groups.find(summary.group);
+      if (group == accepted.groups.end() || !group->second.contains(symbol(summary.channel))) continue;  // new cases: until accepted
+      const Baseline::Group& was = group->second.at(symbol(summary.channel));
+      groups.add((summary.rms - was.rms) / was.budget, fmt::format("{} {} rms error {:.4f}, was {:.4f}, may grow by {:.4f}", summary.group,
+                                                                   symbol(summary.channel), summary.rms, was.rms, was.budget));
+    }
+    for (const CaseOfRecord& chosen : records_of_pose)
+      if (const CaseFamily& family = chosen.family; case_record::is_usable(family.record->status))
+        check_null_channels(null, family, predict_case(*family.record));
+    for (const Tally* tally : {&predictions, &references, &groups, &cases, &signs, &null}) result.checks.push_back(tally->result());
+  }
+  // A case counts when every model was compared on it: one that is missing from a single model is a hole too.
+  const auto everywhere = [&](const std::string& name) { return compared[name] == gated_models().size(); };
+  for (const std::string& name : baseline.planned) result.compared += static_cast<int>(everywhere(name));
+  GateCheck coverage{"coverage", result.complete(), result.compared,
+                     fmt::format("{} of {} planned cases compared", result.compared, result.planned)};
+  for (const std::string& name : baseline.planned)
+    if (!everywhere(name)) coverage.detail += "; without a usable reference, or left out of a model: " + name;
+  result.checks.push_back(std::move(coverage));
+  return result;
+}
+
+GateResult run_gate(const Baseline& baseline, const std::vector<CaseRecord>& records) {
+  return run_gate(baseline, records, [](const NamedModel& named) { return predictor(named.choice); });
+}
+
+GateCheck check_solved_again(const std::vector<CaseRecord>& stored, const std::vector<CaseRecord>& solved) {
+  constexpr double stop_tolerance = 0.003;
+  Tally tally("solved again");
+  for (const CaseRecord& run : solved) {
+    const auto found = std::find_if(stored.begin(), stored.end(), [&](const CaseRecord& record) { return record.name == run.name; });
+    if (found == stored.end() || !case_record::is_usable(found->status) || !case_record::is_usable(run.status)) {
+      tally.add(2.0, fmt::format("{}: {} now, {} in the references", run.name, case_record::to_string(run.status),
+                                 found == stored.end() ? "missing" : case_record::to_string(found->status)));
+      continue;
+    }
+    const auto now = coefficients(run).values, was = coefficients(*found).values;
+    const auto variance = [](const CaseRecord& record) -> CaseRecord::Channels {
+      return (record.u_iteration.array().square() + record.u_statistical.array().square() + record.u_null.array().square()).matrix();
+    };
+    const CaseRecord::Channels u = (variance(run) + variance(*found)).cwiseSqrt().cwiseQuotient(coefficient_scales(run));
+    for (int k = 0; k < 6; ++k)
+      tally.add(std::abs(now[k] - was[k]) / std::max(2.0 * u[k], stop_tolerance * std::abs(was[0])),
+                fmt::format("{} {} {:.5f}, stored {:.5f}", run.name, symbol(static_cast<Channel>(k)), now[k], was[k]));
+  }
+  return tally.result();
+}
+
+std::string render(const GateResult& result, bool colour) {
+  std::string text;
+  for (const GateCheck& check : result.checks) {
+    const std::string word = check.passed ? "pass" : "FAIL";
+    const auto style = fg(check.passed ? fmt::terminal_color::green : fmt::terminal_color::red);
+    text += fmt::format("{}  {:<45} {:>4}  {}\n", colour ? fmt::format(style, "{}", word) : word, check.name, check.compared, check.detail);
+  }
+  const auto failed = std::count_if(result.checks.begin(), result.checks.end(), [](const GateCheck& check) { return !check.passed; });
+  return text + (failed == 0 ? fmt::format("gate passed: {} checks, {} cases\n", result.checks.size(), result.compared)
+                             : fmt::format("gate failed: {} of {} checks\n", failed, result.checks.size()));
+}
+
+nlohmann::json to_json(const GateResult& result) {
+  nlohmann::json checks = nlohmann::json::array();
+  for (const GateCheck& check : result.checks)
+    checks.push_back({{"name", check.name}, {"passed", check.passed}, {"compared", check.compared}, {"detail", check.detail}});
+  return {{"passed", result.passed()}, {"planned", result.planned}, {"compared", result.compared}, {"checks", checks}};
+}
+
+}  // namespace compare

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "compare/gate/baseline.hpp"
+
+namespace compare {
+
+/// Predictions are sums of a few thousand products: compilers and processors reorder them to about 1e-13; no change of a model is this
+/// small.
+constexpr double rounding = 1e-9;
+
+/// One check of one model, with its numbers.
+struct GateCheck {
+  std::string name;  ///< "note: predictions"
+  bool passed = false;
+  int compared = 0;    ///< numbers looked at; a check that looked at none does not pass
+  std::string detail;  ///< worst case with its numbers, or all offenders
+};
+
+struct GateResult {
+  std::vector<GateCheck> checks;
+  int planned = 0;   ///< cases that the baseline asks for
+  int compared = 0;  ///< of these, cases with both sides
+
+  bool complete() const { return planned > 0 && compared == planned; }
+  bool passed() const;
+};
+
+/// Regression of the coefficient errors against the accepted baseline. Per model:
+///   predictions  equal the baseline's to rounding
+///   references   equal the baseline's to rounding: a gate sees no noise of the CFD
+///   group error  no rms error worse by more than its budget
+///   case error   no single error worse by more than max(budget, 2u)
+///   signs        a coefficient beyond 0.01 keeps the sign that it had
+///   null         channels that a mirror plane makes zero are zero, in prediction and reference
+/// and once: coverage, every planned case compared.
+/// @param predictor_of  how a named model predicts; tests seed their defects here
+GateResult run_gate(const Baseline& baseline, const std::vector<case_record::CaseRecord>& records,
+                    const std::function<Predictor(const NamedModel&)>& predictor_of);
+GateResult run_gate(const Baseline& baseline, const std::vector<case_record::CaseRecord>& records);
+
+/// Cases solved again against the stored ones of the same name, channel by channel: apart by no more than twice their uncertainties of
+/// iteration, statistics and symmetry, or the tolerance at which a run stops, 0.3 % of C_D. (The mesh is the same.) A case that is not
+/// stored, or not usable now, fails.
+GateCheck check_solved_again(const std::vector<case_record::CaseRecord>& stored, const std::vector<case_record::CaseRecord>& solved);
+
+/// One line per check, and a verdict.
+std::string render(const GateResult& result, bool colour = false);
+nlohmann::json to_json(const GateResult& result);
+
+}  // namespace compare

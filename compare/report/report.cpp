@@ -1,0 +1,88 @@
+#include "compare/report/report.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#include "compare/report/report_sections.hpp"
+
+namespace compare {
+namespace {
+
+std::string content_of(const std::filesystem::path& path, const char* remedy) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw std::runtime_error(fmt::format("{} is missing; {}", path.string(), remedy));
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void replace(std::string& page, const std::string& mark, const std::string& text) {
+  const auto place = page.find(mark);
+  if (place == std::string::npos) throw std::runtime_error("page.html of the report has no " + mark + "; restore it from the repository");
+  page.replace(place, mark.size(), text);
+}
+
+}  // namespace
+
+std::string ReportedModel::label() const {
+  return pillow == "none" ? law : fmt::format("{}, {} pillow {:.2f}", law, pillow, choice.model.pillow.factor);
+}
+
+Report make_report(Reference reference, std::vector<CaseRecord> spinning, const std::vector<std::string>& missing, bool quick_cost) {
+  Report report{.reference = std::move(reference), .spinning = std::move(spinning)};
+  const std::vector<CaseRecord>& cases = report.reference.cases;
+  const auto add = [&](const ModelChoice& choice) {
+    report.models.push_back(
+        {law_label(choice.by_class ? "by class" : choice.model.law.name), to_string(choice.model.pillow.form), choice, {}});
+    ReportedModel& added = report.models.back();
+    added.table = compare_with(cases, predictor(choice), added.label(), missing);
+  };
+  for (const dragcore::Law& law : {dragcore::note_law(), dragcore::consistent_law()}) add(dragcore::Model{.law = law});
+  add(ModelChoice::of_class());
+  if (report.compared() == 0) return report;
+  try {
+    report.calibration = calibrate(cases);
+  } catch (const std::invalid_argument& fault) {  // a smoke run has too few orientations: the page then says so
+    report.calibration_fault = fault.what();
+    return report;
+  }
+  for (const bool with_pillow : {false, true})
+    for (const Fit& fit : report.calibration->fits)
+      if ((fit.model.pillow.form != dragcore::PillowForm::none) == with_pillow) add(fit.model);
+  add(ModelChoice::of_class(dragcore::class_pillow()));
+  report.cost = measure_cost(cases, *report.calibration, quick_cost);
+  return report;
+}
+
+void write_report(const Report& report, const std::filesystem::path& output, const std::filesystem::path& assets) {
+  constexpr const char* restore = "call dragval from the root of the repository, or name the folder with --assets";
+  constexpr const char* install = "fetch the figure libraries with scripts/run.sh or `npm ci --prefix compare/report`";
+  std::string page = content_of(assets / "page.html", restore);
+  std::string libraries;
+  for (const char* file : {"vega/build/vega.min.js", "vega-lite/build/vega-lite.min.js", "vega-embed/build/vega-embed.min.js"})
+    libraries += "<script>" + content_of(assets / "node_modules" / file, install) + "</script>\n";
+
+  const std::vector<Sweep> list = sweeps(report);
+  const auto specs = figures(report);
+  nlohmann::json shown = specs;
+  shown.erase("drag_against_orientation");  // repeats panels of the sweeps
+  std::string figure_text = shown.dump();
+  for (std::size_t at = 0; (at = figure_text.find('<', at)) != std::string::npos;)
+    figure_text.replace(at, 1, "\\u003c");  // no tag ends the script early
+
+  replace(page, "<!-- style -->", "<style>\n" + content_of(assets / "style.css", restore) + "</style>");
+  replace(page, "<!-- sections -->", report_sections(report, list, specs));
+  replace(page, "<!-- figures -->", "<script type=\"application/json\" id=\"specifications\">" + figure_text + "</script>");
+  replace(page, "<!-- libraries -->", libraries);
+  replace(page, "<!-- show -->", "<script>\n" + content_of(assets / "show.js", restore) + "</script>");
+
+  if (output.has_parent_path()) std::filesystem::create_directories(output.parent_path());
+  std::ofstream file(output, std::ios::binary);
+  file << page;
+  file.flush();
+  if (!file)
+    throw std::runtime_error(fmt::format("cannot write {}; check that the folder is writable and the disk not full", output.string()));
+}
+
+}  // namespace compare

@@ -1,0 +1,385 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "compare/reference/uncertainty.hpp"
+#include "compare/report/report.hpp"
+#include "compare/report/report_sweep.hpp"
+
+// Vega-Lite specifications. A colour means the same in every figure: palette of Okabe and Ito, distinct to colour-blind readers and in
+// print.
+
+namespace compare {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* openfoam = "OpenFOAM \u00b1 2u";
+constexpr const char* openfoam_point = "OpenFOAM";  // where no bar is drawn
+constexpr const char* published = "published";
+
+json base() {
+  return {{"$schema", "https://vega.github.io/schema/vega-lite/v6.json"},
+          {"background", "white"},
+          {"config",
+           {{"font", "system-ui, 'Segoe UI', Helvetica, Arial, sans-serif"},
+            {"axis",
+             {{"labelFontSize", 11},
+              {"titleFontSize", 12},
+              {"titleFontWeight", "normal"},
+              {"gridColor", "#e4e4e4"},
+              {"domainColor", "#555"},
+              {"tickColor", "#555"}}},
+            {"legend",
+             {{"orient", "bottom"},
+              {"labelFontSize", 12},
+              {"titleFontSize", 12},
+              {"titleFontWeight", "normal"},
+              {"symbolStrokeWidth", 2},
+              {"columnPadding", 18},
+              {"titleOrient", "left"},
+              {"labelLimit", 320},
+              {"layout", {{"bottom", {{"anchor", "start"}, {"margin", 36}}}}}}},
+            {"view", {{"stroke", "#bbb"}}}}}};
+}
+
+json quantitative(const char* field, const json& title) { return {{"field", field}, {"type", "quantitative"}, {"title", title}}; }
+
+/// The quantity of a panel, written above its y axis: at the same height in all panels, whatever the labels of the axis.
+json panel_axis(const std::string& title) {
+  return {{"title", title}, {"titleAngle", 0}, {"titleAlign", "left"}, {"titleBaseline", "bottom"},
+          {"titleX", 0},    {"titleY", -10},   {"titleFontSize", 13},  {"titleFontWeight", 600}};
+}
+
+/// One scale for all figures; `names` are those that this one shows. Laws are lines, or rings where they are points.
+json series_colour(const std::vector<std::string>& names, const char* law_symbol = "stroke") {
+  static const std::map<std::string, std::string> colours = {
+      {"note's law", "#0072b2"}, {"consistent law", "#e69f00"}, {"calibrated law", "#009e73"}, {"law by class", "#cc79a7"},
+      {openfoam, "#000000"},     {openfoam_point, "#000000"},   {published, "#d55e00"}};
+  json range = json::array();
+  for (const std::string& name : names) range.push_back(colours.at(name));
+  const std::string symbol =
+      fmt::format("datum.value == 'published' ? 'diamond' : test(/^OpenFOAM/, datum.value) ? 'circle' : '{}'", law_symbol);
+  const std::string size = fmt::format("datum.value == 'published' ? 110 : test(/^OpenFOAM/, datum.value) ? 50 : {}",
+                                       std::string(law_symbol) == "stroke" ? 200 : 60);
+  const auto computed = [](const std::string& expression) { return json{{"value", {{"signal", expression}}}}; };
+  const json symbols = {{"shape", computed(symbol)},
+                        {"size", computed(size)},
+                        {"fill", computed("test(/^OpenFOAM/, datum.value) ? '#000000' : 'transparent'")},
+                        {"strokeWidth", {{"value", 2}}},
+                        {"strokeDash", {{"value", json::array()}}},
+                        {"opacity", {{"value", 1}}}};
+  return {{"field", "series"},
+          {"type", "nominal"},
+          {"title", nullptr},
+          {"scale", {{"domain", names}, {"range", range}}},
+          {"legend", {{"encoding", {{"symbols", symbols}}}}}};
+}
+
+std::vector<std::string> law_names(const Report& report) {
+  std::vector<std::string> names;
+  for (const ReportedModel& model : report.models)
+    if (model.pillow == "none") names.push_back(model.law);
+  return names;
+}
+
+json pillow_dash() {
+  return {{"field", "pillow"},
+          {"type", "nominal"},
+          {"title", "pillow"},
+          {"scale", {{"domain", {"none", "patch", "tilt"}}, {"range", {json::array({1, 0}), json::array({7, 3}), json::array({2, 2})}}}},
+          {"legend", {{"symbolType", "stroke"}, {"symbolStrokeColor", "#444"}, {"symbolSize", 500}}}};
+}
+
+std::vector<double> fine_angles(const Sweep& sweep, const std::vector<const ErrorRow*>& rows) {
+  constexpr double step = 2.5;  // [deg]: a tenth of a law's shortest feature, the half wave of sin 2 angle
+  const double first = sweep.angle_of(*rows.front()), last = sweep.angle_of(*rows.back());
+  std::vector<double> angles;
+  for (double angle = first; angle < last - 1e-9; angle += step) angles.push_back(angle);
+  angles.push_back(last);
+  return angles;
+}
+
+/// Layers of one coefficient against orientation.
+/// @param with_pillow  one line for every pillow form, told apart by dashes; else one per law
+json sweep_panel(const Report& report, const Sweep& sweep, Channel channel, const std::string& title, bool with_pillow, int width,
+                 int height) {
+  const auto rows = rows_of(report.models.front().table, sweep, channel);
+  const std::vector<double> angles = fine_angles(sweep, rows);
+  json lines = json::array(), points = json::array(), literature = json::array();
+  for (const ReportedModel& model : report.models) {
+    // The form per triangle depends on the triangulation: a curve of it would be one of the mesh. It has its rows in the tables.
+    if (model.pillow == "triangle" || (!with_pillow && model.pillow != "none")) continue;
+    const auto curve = coefficients_along(sweep, model.choice, angles);
+    for (std::size_t i = 0; i < angles.size(); ++i)
+      if (const auto value = curve[i][channel])
+        lines.push_back({{"angle", angles[i]}, {"value", *value}, {"series", model.law}, {"pillow", model.pillow}});
+  }
+  for (const ErrorRow* row : rows) {
+    const double angle = sweep.angle_of(*row);
+    if (row->cfd)
+      points.push_back({{"angle", angle},
+                        {"value", *row->cfd},
+                        {"low", *row->cfd - 2 * row->u},
+                        {"high", *row->cfd + 2 * row->u},
+                        {"u", row->u},
+                        {"case", row->case_name},
+                        {"series", openfoam}});
+    if (row->published)
+      literature.push_back(
+          {{"angle", angle}, {"value", row->published->value}, {"source", row->published->citation}, {"series", published}});
+  }
+  const double range = angles.back() - angles.front();
+  json x = quantitative("angle", sweep.angle + " [\u00b0]");
+  x["scale"] = {{"domain", {angles.front(), angles.back()}}, {"nice", false}, {"padding", 8}};
+  x["axis"] = {{"values", json::array()}, {"grid", true}};
+  for (double tick = angles.front(); tick <= angles.back() + 1e-9; tick += range > 100 ? 30 : 15) x["axis"]["values"].push_back(tick);
+  std::vector<std::string> names = law_names(report);
+  names.insert(names.end(), {openfoam, published});
+  const json colour = series_colour(names);
+  json y = quantitative("value", nullptr), low = quantitative("low", nullptr);
+  y["axis"] = low["axis"] = panel_axis(title);
+
+  json line_encoding = {{"x", x}, {"y", y}, {"color", colour}};
+  line_encoding["detail"] = {{"field", "pillow"}};
+  if (with_pillow) line_encoding["strokeDash"] = pillow_dash();
+  const json hint = {{{"field", "case"}}, {{"field", "value"}, {"format", ".4f"}}, {{"field", "u"}, {"format", ".4f"}}};
+  const json source_hint = {{{"field", "source"}}, {{"field", "value"}, {"format", ".3f"}}};
+  json layers = json::array({{{"data", {{"values", lines}}}, {"mark", {{"type", "line"}, {"strokeWidth", 2}}}, {"encoding", line_encoding}},
+                             {{"data", {{"values", points}}},
+                              {"mark", {{"type", "rule"}, {"strokeWidth", 1.5}}},
+                              {"encoding", {{"x", x}, {"y", low}, {"y2", {{"field", "high"}}}, {"color", colour}}}},
+                             {{"data", {{"values", points}}},
+                              {"mark", {{"type", "point"}, {"fill", "black"}, {"size", 40}, {"opacity", 1}}},
+                              {"encoding", {{"x", x}, {"y", y}, {"color", colour}, {"tooltip", hint}}}}});
+  if (!literature.empty())
+    layers.push_back({{"data", {{"values", literature}}},
+                      {"mark", {{"type", "point"}, {"shape", "diamond"}, {"size", 110}, {"strokeWidth", 2}, {"opacity", 1}}},
+                      {"encoding", {{"x", x}, {"y", y}, {"color", colour}, {"tooltip", source_hint}}}});
+  return {{"width", width}, {"height", height}, {"layer", layers}};
+}
+
+json sweep_figure(const Report& report, const Sweep& sweep) {
+  json spec = base();
+  spec["hconcat"] = json::array();
+  for (const Channel channel : {Channel::drag, sweep.force, sweep.moment}) {
+    spec["hconcat"].push_back(sweep_panel(report, sweep, channel, symbol(channel), channel == sweep.moment, 310, 240));
+  }
+  spec["spacing"] = 64;
+  spec["bounds"] = "flush";  // panels of one width and height, whatever their labels
+  spec["resolve"] = {{"scale", {{"color", "shared"}}}};
+  return spec;
+}
+
+/// C_D of every shape with a curve, for a page that has room for one figure.
+json drag_figure(const Report& report, const std::vector<Sweep>& list) {
+  json spec = base();
+  spec["hconcat"] = json::array();
+  for (const Sweep& sweep : list) {
+    if (!sweep.curve) continue;
+    const std::string title = "C_D, " + sweep.title.substr(0, sweep.title.find(" at "));
+    spec["hconcat"].push_back(sweep_panel(report, sweep, Channel::drag, title, false, 250, 230));
+  }
+  spec["spacing"] = 50;
+  spec["bounds"] = "flush";
+  spec["resolve"] = {{"scale", {{"color", "shared"}}}};
+  return spec;
+}
+
+/// Mean C_p of planar faces against the cosine of their angle to the flow: where on the body a law is wrong.
+json face_pressure_figure(const Report& report, const std::vector<Sweep>& list) {
+  constexpr double edge = 0.1;  // of A_ref: smaller faces are the edges of plates, which live in the wake of their neighbours
+  json lines = json::array(), points = json::array(), shapes = json::array();
+  for (const ReportedModel& model : report.models) {
+    if (model.pillow != "none" || model.choice.by_class) continue;  // by class is no curve of c alone
+    for (int i = -50; i <= 50; ++i) {
+      const double c = i / 50.0;
+      const double pressure =
+          c > 0 ? dragcore::evaluate(model.choice.model.law.windward, c) : -dragcore::evaluate(model.choice.model.law.leeward, -c);
+      lines.push_back({{"c", c}, {"pressure", pressure}, {"series", model.law}});
+    }
+  }
+  for (const Sweep& sweep : list)
+    for (const CaseRecord* record : sweep.cases) {
+      const auto index = static_cast<std::size_t>(record - report.reference.cases.data());
+      if (!case_record::is_usable(record->status) || record->flow_model == "laminar" || index >= report.reference.patches.size()) continue;
+      const dragcore::ShapeProperties body = dragcore::properties(record->shape);
+      for (const PatchMean& patch : report.reference.patches[index]) {
+        if (patch.name.starts_with("curved") || patch.area < edge * body.reference_area) continue;
+        const double c = -(record->pose.rotation() * patch.area_vector).x() / patch.area;
+        const std::string shape = shape_label(record->shape);
+        if (std::find(shapes.begin(), shapes.end(), shape) == shapes.end()) shapes.push_back(shape);
+        points.push_back({{"c", c},
+                          {"pressure", patch.pressure_coefficient},
+                          {"series", openfoam_point},
+                          {"body", shape},
+                          {"case", record->name},
+                          {"face", patch.name}});
+      }
+    }
+  json spec = base();
+  if (points.empty()) return nullptr;
+  json x = quantitative("c", "c, cosine between the face's outward normal and the oncoming flow (windward > 0)");
+  x["scale"] = {{"domain", {-1, 1}}};
+  std::vector<std::string> names = law_names(report);
+  names.push_back(openfoam_point);
+  const json y = quantitative("pressure", "mean pressure coefficient C_p"), colour = series_colour(names);
+  const json hint = {
+      {{"field", "case"}}, {{"field", "face"}}, {{"field", "c"}, {"format", ".3f"}}, {{"field", "pressure"}, {"format", ".3f"}}};
+  spec["width"] = 720;
+  spec["height"] = 330;
+  spec["layer"] = json::array({{{"data", {{"values", lines}}},
+                                {"mark", {{"type", "line"}, {"strokeWidth", 2}}},
+                                {"encoding", {{"x", x}, {"y", y}, {"color", colour}}}},
+                               {{"data", {{"values", points}}},
+                                {"mark", {{"type", "point"}, {"size", 60}, {"strokeWidth", 1.5}, {"opacity", 0.9}}},
+                                {"encoding",
+                                 {{"x", x},
+                                  {"y", y},
+                                  {"color", colour},
+                                  {"shape",
+                                   {{"field", "body"},
+                                    {"type", "nominal"},
+                                    {"title", "body"},
+                                    {"scale", {{"domain", shapes}, {"range", {"cross", "square", "triangle-up", "circle", "diamond"}}}},
+                                    {"legend", {{"symbolStrokeColor", "#000"}, {"symbolFillColor", "transparent"}}}}},
+                                  {"tooltip", hint}}}}});
+  return spec;
+}
+
+/// Time against error of C_D, one panel per shape: laws on every mesh, and OpenFOAM at every mesh level.
+json cost_figure(const Report& report) {
+  constexpr double smallest_error = 1e-4;  // below, an error of C_D is rounding of the comparison, not accuracy
+  struct Panel {
+    json laws = json::array(), cfd = json::array(), cfd_unknown = json::array(), triangles = json::array(), levels = json::array();
+    std::map<std::string, int> meshes;  ///< of each OpenFOAM case
+  };
+  std::map<std::string, Panel> panels;
+  for (const ModelCost& row : report.cost.models) panels[row.shape];
+  if (panels.empty()) return nullptr;
+  std::map<std::string, double> finest_u;
+  for (const CaseFamily& family : case_families(report.reference.cases))
+    if (family.uncertainty.discretisation_assessed && family.usable_levels().size() >= 3)
+      finest_u[family.record->name] = family.uncertainty.numerical[0] / coefficient_scales(*family.record)[0];
+
+  double time_low = 1e-6, time_high = 1.0, error_low = 0.1, error_high = 0.1;
+  const auto in_range = [&](double seconds, double error) {
+    time_low = std::min(time_low, seconds), time_high = std::max(time_high, seconds);
+    error_low = std::min(error_low, error), error_high = std::max(error_high, error);
+  };
+  for (const ModelCost& row : report.cost.models) {
+    if (row.quadrature != 1) continue;  // without spin one point per triangle is exact: other orders cost time and change nothing
+    const double error = std::max(row.rms_drag_error, smallest_error), seconds = 1e-6 * row.microseconds;
+    in_range(seconds, error);
+    const std::string law = law_label(row.law);
+    panels[row.shape].laws.push_back(
+        {{"seconds", seconds}, {"error", error}, {"series", law}, {"pillow", row.pillow}, {"triangles", row.triangles}});
+    if (row.law == "note" && row.pillow == "none")
+      panels[row.shape].triangles.push_back({{"seconds", seconds}, {"text", std::to_string(row.triangles)}});
+  }
+  const auto family_of = [](const CfdCost& row) { return row.case_name.substr(0, row.case_name.rfind('_')); };
+  for (const CfdCost& row : report.cost.cfd)
+    if (panels.contains(row.shape) && row.reynolds >= 1e4) ++panels[row.shape].meshes[family_of(row)];
+  for (const CfdCost& row : report.cost.cfd) {
+    if (!panels.contains(row.shape) || row.reynolds < 1e4 || row.total_s <= 0.0) continue;
+    Panel& panel = panels[row.shape];
+    json point = {
+        {"seconds", row.total_s}, {"case", row.case_name}, {"level", row.mesh_level}, {"cells", row.cells}, {"series", openfoam_point}};
+    const bool known_u = finest_u.contains(row.case_name);
+    if (!row.drag_error && !known_u) {
+      time_high = std::max(time_high, row.total_s);
+      panel.cfd_unknown.push_back(point);
+      continue;
+    }
+    const double error = std::max(row.drag_error ? *row.drag_error : finest_u.at(row.case_name), smallest_error);
+    point["error"] = error;
+    point["meaning"] = row.drag_error ? "difference from the finest mesh" : "standard uncertainty of the finest mesh";
+    in_range(row.total_s, error);
+    panel.cfd.push_back(point);
+    // One case names the meshes of its panel; names of all would cover each other.
+    const auto most =
+        std::max_element(panel.meshes.begin(), panel.meshes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (most->first == family_of(row)) panel.levels.push_back({{"seconds", row.total_s}, {"error", error}, {"text", row.mesh_level}});
+  }
+  const auto decade = [](double value, bool up) {
+    return std::pow(10.0, up ? std::ceil(std::log10(value) - 1e-9) : std::floor(std::log10(value) + 1e-9));
+  };
+  time_low = decade(0.8 * time_low, false), time_high = decade(4.0 * time_high, true);  // room for the names at both ends
+  error_low = decade(error_low, false), error_high = decade(error_high, true);
+
+  json x = quantitative("seconds", "time per evaluation; CPU time per case");
+  x["scale"] = {{"type", "log"}, {"domain", {time_low, time_high}}, {"nice", false}};
+  x["axis"] = {
+      {"values", json::array()},
+      {"labelFlush", false},
+      {"labelExpr",
+       "datum.value < 0.9e-6 ? format(datum.value*1e9, 'd')+' ns' : datum.value < 0.9e-3 ? format(datum.value*1e6, 'd')+' \u00b5s' : "
+       "datum.value < 0.9 ? format(datum.value*1e3, 'd')+' ms' : format(datum.value, ',d')+' s'"}};
+  for (double tick = time_low; tick < 1.1 * time_high; tick *= 10)
+    if (std::lround(std::log10(tick)) % 2 == 0) x["axis"]["values"].push_back(tick);
+  json y = quantitative("error", nullptr);
+  y["scale"] = {{"type", "log"}, {"domain", {error_low, error_high}}, {"nice", false}};
+  json ticks = json::array();
+  for (double tick = error_low; tick < 1.1 * error_high; tick *= 10) ticks.push_back(tick);
+  std::vector<std::string> names = law_names(report);
+  names.push_back(openfoam_point);
+  const json colour = series_colour(names, "circle");
+  const json form = {
+      {"field", "pillow"},
+      {"type", "nominal"},
+      {"title", "pillow"},
+      {"scale", {{"domain", {"none", "triangle", "patch", "tilt"}}, {"range", {"circle", "triangle-up", "square", "diamond"}}}},
+      {"legend", {{"symbolStrokeColor", "#444"}, {"symbolFillColor", "transparent"}}}};
+  const json law_hint = {{{"field", "series"}},
+                         {{"field", "pillow"}},
+                         {{"field", "triangles"}},
+                         {{"field", "seconds"}, {"format", ".2e"}},
+                         {{"field", "error"}, {"format", ".4f"}}};
+  const json cfd_hint = {{{"field", "case"}},
+                         {{"field", "cells"}},
+                         {{"field", "seconds"}, {"format", ".1f"}},
+                         {{"field", "error"}, {"format", ".4f"}},
+                         {{"field", "meaning"}}};
+  json spec = base();
+  spec["hconcat"] = json::array();
+  for (const auto& [shape, panel] : panels) {
+    y["axis"] = panel_axis("Error of C_D, " + shape);
+    y["axis"].update({{"format", "~g"}, {"values", ticks}});
+    json layers = json::array();
+    const auto add = [&](const json& values, const json& mark, const json& encoding) {
+      if (!values.empty()) layers.push_back({{"data", {{"values", values}}}, {"mark", mark}, {"encoding", encoding}});
+    };
+    add(panel.laws, {{"type", "point"}, {"size", 40}, {"strokeWidth", 1.4}, {"opacity", 0.9}},
+        {{"x", x}, {"y", y}, {"color", colour}, {"shape", form}, {"tooltip", law_hint}});
+    add(panel.cfd, {{"type", "point"}, {"fill", "black"}, {"size", 40}, {"opacity", 0.9}},
+        {{"x", x}, {"y", y}, {"color", colour}, {"tooltip", cfd_hint}});
+    add(panel.cfd_unknown, {{"type", "tick"}, {"orient", "vertical"}, {"thickness", 1.5}, {"size", 9}, {"yOffset", -4}, {"color", "black"}},
+        {{"x", x}, {"y", {{"datum", error_low}, {"type", "quantitative"}, {"axis", y["axis"]}}}, {"tooltip", cfd_hint}});
+    const json words = {{"field", "text"}};
+    add(panel.triangles, {{"type", "text"}, {"dy", 10}, {"fontSize", 10}, {"color", "#555"}},
+        {{"x", x}, {"y", {{"datum", error_high}, {"type", "quantitative"}, {"axis", y["axis"]}}}, {"text", words}});
+    add(panel.levels, {{"type", "text"}, {"dx", 6}, {"align", "left"}, {"fontSize", 10}, {"color", "#555"}},
+        {{"x", x}, {"y", y}, {"text", words}});
+    spec["hconcat"].push_back({{"width", 300}, {"height", 280}, {"layer", layers}});
+  }
+  spec["spacing"] = 64;
+  spec["bounds"] = "flush";
+  spec["resolve"] = {{"scale", {{"color", "shared"}, {"shape", "shared"}}}};
+  return spec;
+}
+
+}  // namespace
+
+std::map<std::string, json> figures(const Report& report) {
+  const std::vector<Sweep> list = sweeps(report);
+  std::map<std::string, json> found;
+  for (const Sweep& sweep : list)
+    if (sweep.curve) found["sweep-" + sweep.slug()] = sweep_figure(report, sweep);
+  if (!found.empty()) found["drag_against_orientation"] = drag_figure(report, list);
+  for (auto& [name, spec] : {std::pair{"cost", cost_figure(report)}, std::pair{"face_pressure", face_pressure_figure(report, list)}})
+    if (!spec.is_null()) found[name] = spec;
+  return found;
+}
+
+}  // namespace compare

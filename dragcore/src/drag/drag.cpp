@@ -1,0 +1,151 @@
+#include <cmath>
+#include <dragcore/drag.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "drag/check.hpp"
+#include "drag/energy_balance.hpp"
+#include "support/require.hpp"
+
+namespace dragcore {
+
+using Eigen::Vector3d;
+
+void check_input(const Motion& motion, const Medium& medium, const Model& model) {
+  if (!model.check) return;
+  const auto usable = [](const Vector3d& v, const char* name) {
+    // Beyond 1e100 the square of the speed, times a density and an area of any size, leaves the range of numbers; sound is at 340 m/s.
+    require(v.allFinite() && v.cwiseAbs().maxCoeff() <= 1e100, std::string("wrench: motion.") + name, v,
+            "it must be finite, and below 1e100");
+  };
+  usable(motion.wind, "wind");
+  usable(motion.velocity, "velocity");
+  usable(motion.angular_velocity, "angular_velocity");
+  usable(motion.reference_point, "reference_point");
+  for (Eigen::Index j = 0; j < 3; ++j) usable(motion.wind_gradient.col(j), "wind_gradient column");
+  for (const Vector3d& wind : motion.triangle_wind) usable(wind, "triangle_wind entry");
+  require(medium.density >= 0.0 && medium.density < 1e100, "wrench: density", medium.density,
+          "it must be finite and not negative [kg/m^3]");
+  const double largest = model.pillow.form == PillowForm::tilt ? 1.5 : 1.0;  // beyond, the tilt falloff would be negative on half the face
+  require(model.pillow.factor >= 0.0 && model.pillow.factor <= largest, "wrench: pillow factor", model.pillow.factor,
+          "the form '" + to_string(model.pillow.form) + "' takes 0 to " + std::to_string(largest));
+  const int points = static_cast<int>(model.quadrature);
+  require(points == 0 || points == 1 || points == 3 || points == 6, "wrench: points of quadrature", points,
+          "it must be 1, 3 or 6, or 0 for adaptive");
+  validate(model.law);
+}
+
+void check_input(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
+  const auto given = motion.triangle_wind.size();
+  require(given == 0 || given == static_cast<std::size_t>(surface.size()), "wrench: entries of motion.triangle_wind", given,
+          "the surface has " + std::to_string(surface.size()) + " triangles (degenerate ones are dropped)");
+  check_input(motion, medium, model);
+}
+
+void check_result(bool finite, const Model& model) {
+  if (model.check && !finite)
+    throw std::overflow_error(
+        "wrench: the result is not finite, although every input is; velocity, density or size must be many orders of magnitude too large");
+}
+
+std::string to_string(Term term) {
+  switch (term) {
+    case Term::windward_pressure:
+      return "windward pressure";
+    case Term::leeward_suction:
+      return "leeward suction";
+    case Term::base_suction:
+      return "base suction";
+    case Term::rear_recovery:
+      return "rear recovery";
+    case Term::curvature:
+      return "curvature";
+    case Term::friction:
+      return "friction";
+    case Term::count:
+      break;
+  }
+  throw std::invalid_argument("not a term of the wrench");
+}
+
+std::string to_string(Effect effect) {
+  switch (effect) {
+    case Effect::leeward_suction:
+      return "leeward suction";
+    case Effect::friction:
+      return "friction";
+    case Effect::base_suction:
+      return "base suction";
+    case Effect::recovery:
+      return "rear recovery";
+    case Effect::shelter:
+      return "shelter";
+    case Effect::curvature:
+      return "curvature";
+    case Effect::pillow:
+      return "pillow";
+    case Effect::spin:
+      return "spin";
+    case Effect::wind_variation:
+      return "wind variation";
+  }
+  throw std::invalid_argument("not an effect");
+}
+
+Pillow class_pillow() { return {PillowForm::tilt, 0.86}; }
+
+Model model_for(const Surface& surface) { return {.law = law_for(surface.body_class), .pillow = class_pillow()}; }
+
+WrenchByTerm wrench(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
+  check_input(surface, motion, medium, model);
+  WrenchByTerm taken, given;
+  EnergyBalance balance;
+  for_each_local_force(surface, motion, medium, model, [&](const LocalForce& local) {
+    balance.add(local);
+    const Vector3d force = local.force();
+    (local.coefficient.value < 0.0 ? given : taken)[local.term] += {force, local.place.cross(force)};
+  });
+  if (balance.has_gain()) {
+    const double share = balance.gain_share();
+    for (std::size_t k = 0; k < taken.terms.size(); ++k) taken.terms[k] += {share * given.terms[k].force, share * given.terms[k].torque};
+  }
+  const Wrench total = taken.total();
+  check_result(total.force.allFinite() && total.torque.allFinite(), model);
+  return taken;
+}
+
+TriangleForces triangle_forces(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
+  check_input(surface, motion, medium, model);
+  // Force, and torque about the reference point, of every triangle: apart until it is known how much of the second may be given.
+  Eigen::Matrix<double, 6, Eigen::Dynamic> taken = Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, surface.size()), given = taken;
+  EnergyBalance balance;
+  for_each_local_force(surface, motion, medium, model, [&](const LocalForce& local) {
+    balance.add(local);
+    const Vector3d force = local.force();
+    auto column = (local.coefficient.value < 0.0 ? given : taken).col(local.triangle);
+    column.head<3>() += force;
+    column.tail<3>() += local.place.cross(force);
+  });
+  if (balance.has_gain()) taken += balance.gain_share() * given;
+  check_result(taken.allFinite(), model);
+  TriangleForces result;
+  result.force = taken.topRows<3>();
+  result.torque = taken.bottomRows<3>();
+  return result;
+}
+
+std::optional<LineOfAction> line_of_action(const Wrench& wrench, const Vector3d& reference_point) {
+  const double size = wrench.force.stableNorm();
+  if (!(size > 0.0) || !std::isfinite(size)) return std::nullopt;
+  const Vector3d direction = wrench.force / size;
+  return LineOfAction{reference_point + direction.cross(wrench.torque) / size, direction, direction.dot(wrench.torque)};
+}
+
+std::optional<Vector3d> centre_of_pressure(const LineOfAction& line, const Vector3d& plane_point, const Vector3d& plane_normal) {
+  const Vector3d normal = plane_normal.stableNormalized();
+  const double slope = line.direction.dot(normal);
+  if (!(std::abs(slope) > 0.05)) return std::nullopt;
+  return line.point + line.direction * ((plane_point - line.point).dot(normal) / slope);
+}
+
+}  // namespace dragcore

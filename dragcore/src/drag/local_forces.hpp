@@ -1,0 +1,112 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "drag/body_law.hpp"
+#include "drag/pillow_shift.hpp"
+#include "drag/quadrature.hpp"
+
+namespace dragcore {
+
+/// One contribution to the force on a body: one term of the law at one point of the surface. What every sum over a surface is made of.
+struct LocalForce {
+  Eigen::Index triangle;
+  Term term;
+  Eigen::Vector3d place;   ///< where it acts, from the reference point [m]
+  Eigen::Vector3d normal;  ///< out of the side that feels it
+  Eigen::Vector3d u;       ///< velocity of the air relative to the place [m/s]
+  double speed;            ///< |u| > 0
+  double c;                ///< |u.n| / |u|, in (0, 1]
+  double half_rho_area;    ///< rho dA / 2
+  Curve coefficient;       ///< of c; negative where it pushes the body through the air
+
+  bool is_friction() const { return term == Term::friction; }
+  /// Unit vector of a pressure with a positive coefficient: -normal on windward, +normal on leeward surface.
+  Eigen::Vector3d downstream() const { return u.dot(normal) < 0.0 ? Eigen::Vector3d(-normal) : normal; }
+  Eigen::Vector3d force() const {
+    if (is_friction()) return half_rho_area * speed * coefficient.value * (u - normal * normal.dot(u));
+    return half_rho_area * speed * speed * coefficient.value * downstream();
+  }
+};
+
+/// The same as of the public header, seen from the side of the normal (1) or from the back of a sheet (-1), where what is convex is hollow.
+double curvature_along(const Surface& surface, Eigen::Index triangle, const Eigen::Vector3d& tangential, double side);
+
+/// Calls visit(LocalForce) for every contribution, triangle by triangle: the one place where the model walks over a surface.
+/// @param every_point  of the model's rule, also where the flow is the same all over a triangle: what a change of spin would do needs them
+template <class Visit>
+void for_each_local_force(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model, Visit&& visit,
+                          bool every_point = false) {
+  using Eigen::Vector3d;
+  const ActiveEffects active(motion, model);
+  const RelativeFlow flow(surface, motion, active);
+  const BodyLaw law(surface, model.law, flow, active);
+  const PillowShift pillow(surface, flow, model.pillow, active);
+  const bool leeward = law.feels_leeward();
+
+  for (Eigen::Index i = 0; i < surface.size(); ++i) {
+    const Vector3d normal = surface.normal.row(i).matrix(), centroid = surface.centroid.row(i).matrix();
+    const Vector3d ab = surface.edge_ab.row(i).matrix(), ac = surface.edge_ac.row(i).matrix();
+    const Vector3d a = centroid - (ab + ac) / 3.0, shift = pillow.of(i);
+
+    const auto at_point = [&](double s, double t, double weight) {
+      const Vector3d r = a + s * ab + t * ac;
+      const double half_rho_area = 0.5 * medium.density * surface.area[i] * weight;
+
+      const auto feel = [&](const Vector3d& place, bool is_leeward) {
+        const Vector3d u = flow.at(place, i);
+        const double speed = u.norm(), w = -u.dot(normal);
+        if (!(speed > 0.0) || w == 0.0) return;
+        if (!surface.two_sided() && (w < 0.0) != is_leeward) return;
+        const Vector3d outward =
+            (w < 0.0) != is_leeward ? Vector3d(-normal) : normal;  // on a sheet one of the two sides is right for either
+        const double c = std::min(1.0, std::abs(w) / speed);
+        if (!(c > 0.0)) return;  // edge-on to the last bit
+        const auto pass = [&](Term term, const Curve& coefficient) {
+          visit(LocalForce{i, term, place - motion.reference_point, outward, u, speed, c, half_rho_area, coefficient});
+        };
+        if (is_leeward)
+          law.leeward(c, pass);
+        else
+          law.windward(
+              c, [&] { return curvature_along(surface, i, (u - normal * normal.dot(u)) / speed, w > 0.0 ? 1.0 : -1.0); }, pass);
+      };
+      feel(r + shift, false);
+      if (leeward) feel(r, true);
+      if (active.has<Effect::friction>()) {
+        instrument::count(Effect::friction);
+        const Vector3d u = flow.at(r, i);
+        if (const double speed = u.norm(); speed > 0.0)
+          visit(LocalForce{i,
+                           Term::friction,
+                           r - motion.reference_point,
+                           normal,
+                           u,
+                           speed,
+                           std::min(1.0, std::abs(u.dot(normal)) / speed),
+                           half_rho_area * (surface.two_sided() ? 2.0 : 1.0),
+                           {model.law.friction, 0.0}});
+      }
+    };
+    const auto at_points = [&](Quadrature order, double share) {
+      for (const QuadraturePoint& point : quadrature_rule(order)) at_point(point.s, point.t, share * point.weight);
+    };
+
+    if (!flow.varies_on_triangles() && !every_point) {
+      at_points(Quadrature::one, 1.0);  // exact: the flow is the same all over the triangle
+    } else if (model.quadrature != Quadrature::adaptive) {
+      at_points(model.quadrature, 1.0);
+    } else {
+      const double radius =
+          std::sqrt(std::max({(ab + ac).squaredNorm(), (2.0 * ab - ac).squaredNorm(), (2.0 * ac - ab).squaredNorm()})) / 3.0;
+      const QuadratureShares shares = adaptive_shares(flow.variation_per_metre() * radius, flow.at(centroid, i).norm());
+      if (shares.one > 0.0) at_points(Quadrature::one, shares.one);
+      if (shares.three > 0.0) at_points(Quadrature::three, shares.three);
+      if (shares.six > 0.0) at_points(Quadrature::six, shares.six);
+    }
+  }
+}
+
+}  // namespace dragcore

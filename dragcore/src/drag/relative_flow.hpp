@@ -1,0 +1,89 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <dragcore/drag.hpp>
+#include <vector>
+
+#include "drag/active_effects.hpp"
+
+namespace dragcore {
+
+/// Velocity of the air relative to the points of a surface: eq. 1.
+class RelativeFlow {
+ public:
+  RelativeFlow(const Surface& surface, const Motion& motion, const ActiveEffects& active)
+      : motion_(motion),
+        spin_(active.has<Effect::spin>()),
+        per_triangle_(false),
+        gradient_(false),
+        uniform_(motion.wind - motion.velocity),
+        centre_(uniform_) {
+    if (active.has<Effect::wind_variation>()) {
+      per_triangle_ = !motion.triangle_wind.empty();
+      gradient_ = !per_triangle_ && !motion.wind_gradient.isZero(0.0);
+    }
+    if (per_triangle_) {
+      patch_wind_.assign(surface.patches.size(), Eigen::Vector3d::Zero());
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      for (Eigen::Index i = 0; i < surface.size(); ++i) {
+        instrument::count(Effect::wind_variation);
+        const Eigen::Vector3d share = surface.area[i] * motion.triangle_wind[static_cast<std::size_t>(i)];
+        patch_wind_[patch_of(surface, i)] += share;
+        sum += share;
+      }
+      for (std::size_t p = 0; p < patch_wind_.size(); ++p) patch_wind_[p] /= surface.patches[p].area;
+      if (surface.size() > 0) centre_ = sum / surface.total_area - motion.velocity;
+    }
+    centre_ = moved(centre_, surface.centre);
+    // Of the relative flow: its rate of strain, and its turning. Air that turns with the body does not vary.
+    Eigen::Vector3d turning = Eigen::Vector3d::Zero();
+    if (spin_) turning = motion.angular_velocity;
+    if (gradient_) {
+      const Eigen::Matrix3d& G = motion.wind_gradient;
+      turning -= 0.5 * Eigen::Vector3d(G(2, 1) - G(1, 2), G(0, 2) - G(2, 0), G(1, 0) - G(0, 1));
+      variation_ = 0.5 * (G + G.transpose()).norm();
+    }
+    variation_ += turning.norm();
+  }
+
+  static std::size_t patch_of(const Surface& surface, Eigen::Index triangle) {
+    return static_cast<std::size_t>(surface.patch[static_cast<std::size_t>(triangle)]);
+  }
+
+  /// At a point of a triangle, of a patch, and at the surface's centre.
+  Eigen::Vector3d at(const Eigen::Vector3d& r, Eigen::Index triangle) const {
+    return moved(per_triangle_ ? Eigen::Vector3d(motion_.triangle_wind[static_cast<std::size_t>(triangle)] - motion_.velocity) : uniform_,
+                 r);
+  }
+  Eigen::Vector3d at_patch(const Patch& patch, std::size_t index) const {
+    return moved(per_triangle_ ? Eigen::Vector3d(patch_wind_[index] - motion_.velocity) : uniform_, patch.centroid);
+  }
+  const Eigen::Vector3d& at_centre() const { return centre_; }
+
+  /// Whether the velocity differs between the points of one triangle, and a bound of how much per metre.
+  bool varies_on_triangles() const { return spin_ || gradient_; }
+  bool varies() const { return varies_on_triangles() || per_triangle_; }
+  double variation_per_metre() const { return variation_; }
+
+ private:
+  Eigen::Vector3d moved(Eigen::Vector3d u, const Eigen::Vector3d& r) const {
+    const Eigen::Vector3d arm = r - motion_.reference_point;
+    if (gradient_) {
+      instrument::count(Effect::wind_variation);
+      u += motion_.wind_gradient * arm;
+    }
+    if (spin_) {
+      instrument::count(Effect::spin);
+      u -= motion_.angular_velocity.cross(arm);
+    }
+    return u;
+  }
+
+  const Motion& motion_;
+  bool spin_, per_triangle_, gradient_;
+  Eigen::Vector3d uniform_, centre_;
+  std::vector<Eigen::Vector3d> patch_wind_;
+  double variation_ = 0.0;
+};
+
+}  // namespace dragcore

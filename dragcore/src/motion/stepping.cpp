@@ -1,0 +1,216 @@
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <dragcore/stepping.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "drag/check.hpp"
+#include "drag/energy_balance.hpp"
+#include "support/cross_matrix.hpp"
+
+namespace dragcore {
+
+namespace {
+
+Vector6d generalised(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular) { return (Vector6d() << linear, angular).finished(); }
+
+/// Velocity of the body relative to the air, 6 components.
+Vector6d relative(const Motion& motion) { return generalised(motion.velocity - motion.wind, motion.angular_velocity); }
+
+/// What a step is given beside the mass properties. A NaN must not pass quietly into the state of a game.
+void check_step(double dt, bool finite) {
+  if (!finite) throw std::invalid_argument("step: motion, resistance and external wrench must be finite");
+  if (!(dt >= 0.0) || !std::isfinite(dt))
+    throw std::invalid_argument("step: dt = " + std::to_string(dt) + " s, but it must be finite and not negative");
+}
+
+/// And what it gives.
+Vector6d finite(const Vector6d& velocity) {
+  if (!velocity.allFinite())
+    throw std::overflow_error("step: the new velocity is not finite; dt, resistance or external wrench is orders of magnitude too large");
+  return velocity;
+}
+
+/// A local force as a generalised one, about the reference point.
+Vector6d generalised_force(const LocalForce& local) {
+  const Eigen::Vector3d force = local.force();
+  return generalised(force, local.place.cross(force));
+}
+
+/// Whether a change of spin can change the wrench.
+bool feels_spin(const Model& model) { return model.effects.has(Effect::spin) && instrument::built(Effect::spin); }
+
+}  // namespace
+
+Matrix6d MassProperties::matrix() const {
+  if (!(mass > 0.0) || !std::isfinite(mass))
+    throw std::invalid_argument("body: mass = " + std::to_string(mass) + " kg, but it must be finite and greater than 0");
+  if (!inertia.allFinite() || !inertia.isApprox(inertia.transpose(), 1e-9) || inertia.llt().info() != Eigen::Success)
+    throw std::invalid_argument(
+        "body: inertia must be set, finite, symmetric and positive definite; a flat body has a positive moment about every axis");
+  if (const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
+      moments[2] > (moments[0] + moments[1]) * (1 + 1e-6))
+    throw std::invalid_argument("body: inertia has principal moments " + std::to_string(moments[0]) + ", " + std::to_string(moments[1]) +
+                                ", " + std::to_string(moments[2]) + " kg m^2, but of no body is one larger than the sum of the others");
+  Matrix6d m = Matrix6d::Zero();
+  m.topLeftCorner<3, 3>() = mass * Eigen::Matrix3d::Identity();
+  m.bottomRightCorner<3, 3>() = inertia;
+  if (added.isZero(0.0)) return m;
+  const double rounding = 1e-9 * added.cwiseAbs().maxCoeff();
+  if (!added.allFinite() || !added.isApprox(added.transpose(), 1e-9) ||
+      Eigen::SelfAdjointEigenSolver<Matrix6d>(added, Eigen::EigenvaluesOnly).eigenvalues()[0] < -rounding)
+    throw std::invalid_argument("body: added mass must be finite, symmetric and positive semidefinite, as added_mass() gives it");
+  return m + added;
+}
+
+Eigen::Vector3d gyroscopic_spin(const MassProperties& body, const Eigen::Vector3d& angular_velocity, double dt) {
+  check_step(dt, angular_velocity.allFinite());
+  const Eigen::Matrix3d inertia = body.matrix().bottomRightCorner<3, 3>();
+  // I (w' - w) = dt L x (w' + w)/2: whatever L is, a product with w' + w shows that energy stays. With L = I (w + w')/2 its size does, too.
+  Eigen::Vector3d spin = angular_velocity;
+  for (int iteration = 0; iteration < 4; ++iteration) {
+    const Eigen::Matrix3d turn = 0.5 * dt * cross_matrix(0.5 * inertia * (angular_velocity + spin));
+    spin = (inertia - turn).partialPivLu().solve((inertia + turn) * angular_velocity);
+  }
+  return spin;
+}
+
+Matrix6d resistance(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
+  check_input(surface, motion, medium, model);
+  Matrix6d s = Matrix6d::Zero();
+  Vector6d taken = Vector6d::Zero(), given = Vector6d::Zero();
+  EnergyBalance balance;
+  const auto add = [&s](const LocalForce& local, const Eigen::Vector3d& direction, double factor) {
+    s.selfadjointView<Eigen::Lower>().rankUpdate(generalised(direction, local.place.cross(direction)), factor);
+  };
+  for_each_local_force(
+      surface, motion, medium, model,
+      [&](const LocalForce& local) {
+        balance.add(local);
+        if (local.coefficient.value < 0.0) {
+          given += generalised_force(local);
+          return;
+        }
+        taken += generalised_force(local);
+        const double factor = local.half_rho_area * local.speed * local.coefficient.value;
+        if (local.is_friction()) {  // factor * (tangential projector) * u
+          const Eigen::Vector3d tangent = local.normal.unitOrthogonal();
+          add(local, tangent, factor);
+          add(local, local.normal.cross(tangent), factor);
+        } else {  // pressure over normal velocity, times the dyad of the normal
+          add(local, local.normal, factor / local.c);
+        }
+      },
+      feels_spin(model));
+  s.triangularView<Eigen::StrictlyUpper>() = s.transpose();
+  const ActiveEffects active(motion, model);
+  // In a wind that varies, power against the wind at the reference point may be anything, and S v is not the wrench anyway: wind_excess()
+  // has what pushes too.
+  if (balance.has_gain() && !active.has<Effect::wind_variation>()) {
+    // What pushes has no secant matrix of its own that is not negative. Broyden's update (BFGS) turns S into the nearest one that is
+    // positive and whose product with the relative velocity is the whole wrench: (total . velocity) is its power, which the energy balance
+    // keeps positive.
+    Vector6d velocity = -relative(motion);
+    if (!active.has<Effect::spin>()) velocity.tail<3>().setZero();  // not felt
+    const Vector6d total = taken + balance.gain_share() * given;
+    // On a root of S the update is a projection: no rounding error makes the result negative, however many digits cancel near edge-on.
+    const auto factors = s.ldlt();
+    Matrix6d root = factors.matrixL();
+    root = factors.transpositionsP().transpose() * Matrix6d(root * factors.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal());
+    const Vector6d felt = root.transpose() * velocity;
+    if (const double power = total.dot(velocity); power > 0.0 && felt.norm() > 0.0) {
+      root -= (root * felt.normalized()) * felt.normalized().transpose();
+      s.setZero();
+      s.selfadjointView<Eigen::Lower>().rankUpdate(root).rankUpdate(Vector6d(total / std::sqrt(power)));
+      s.triangularView<Eigen::StrictlyUpper>() = s.transpose();
+    }
+  }
+  check_result(s.allFinite(), model);
+  return s;
+}
+
+Vector6d wind_excess(const Wrench& total, const Matrix6d& resistance, const Motion& motion) {
+  return generalised(total.force, total.torque) + resistance * relative(motion);
+}
+
+Matrix6d force_jacobian(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
+  check_input(surface, motion, medium, model);
+  Matrix6d taken = Matrix6d::Zero(), given = taken;
+  EnergyBalance balance;
+  for_each_local_force(
+      surface, motion, medium, model,
+      [&](const LocalForce& local) {
+        balance.add(local);
+        const double value = local.coefficient.value, rate = local.coefficient.slope, c = local.c;
+        Eigen::Matrix3d by_velocity;  // d force / d u
+        if (local.is_friction()) {
+          const Eigen::Matrix3d projector = Eigen::Matrix3d::Identity() - local.normal * local.normal.transpose();
+          by_velocity = local.half_rho_area * value * (local.speed * projector + projector * local.u * local.u.transpose() / local.speed);
+        } else {
+          // Size g = |u|^2 C(c), c = |u.n|/|u|: dg/du = (2 C - c C') u + |u| C' e, with e the unit vector along which |u.n| grows.
+          const Eigen::Vector3d e = local.downstream();
+          by_velocity = local.half_rho_area * e * ((2.0 * value - c * rate) * local.u + local.speed * rate * e).transpose();
+        }
+        // du = -dV - domega x r = -dV + r x domega, and the torque is r x force.
+        const Eigen::Matrix3d arm = cross_matrix(local.place);
+        Matrix6d& sum = value < 0.0 ? given : taken;
+        sum.topLeftCorner<3, 3>() -= by_velocity;
+        sum.topRightCorner<3, 3>() += by_velocity * arm;
+        sum.bottomLeftCorner<3, 3>() -= arm * by_velocity;
+        sum.bottomRightCorner<3, 3>() += arm * by_velocity * arm;
+      },
+      feels_spin(model));
+  if (balance.has_gain()) taken += balance.gain_share() * given;
+  if (!feels_spin(model)) taken.rightCols<3>().setZero();
+  check_result(taken.allFinite(), model);
+  return taken;
+}
+
+Vector6d step_secant_implicit(const Matrix6d& resistance, const MassProperties& body, const Motion& motion, const Vector6d& external,
+                              double dt) {
+  check_step(dt, resistance.allFinite() && relative(motion).allFinite() && external.allFinite());
+  const Matrix6d mass = body.matrix();
+  // In velocities relative to the air, so that the wind's own speed costs no digits.
+  const auto factored = mass.llt();
+  Vector6d moved;
+  if (dt * factored.solve(resistance).trace() < 1e4) {
+    moved = (mass + dt * resistance).ldlt().solve(mass * relative(motion) + dt * external);
+  } else {
+    // So stiff that rounding errors of the drag outweigh the mass, and the solve above may gain energy where there is little drag. Along
+    // the axes of the drag, in units of the root of the mass, every component shrinks or stays.
+    const Matrix6d root = factored.matrixL(), left = factored.matrixL().solve(resistance),
+                   drag = factored.matrixL().solve(left.transpose());
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> axes(drag);
+    const Vector6d shrink = (1.0 + dt * axes.eigenvalues().cwiseMax(0.0).array()).inverse();
+    const Vector6d pushed = root.transpose() * relative(motion) + dt * factored.matrixL().solve(external);
+    moved = factored.matrixU().solve(axes.eigenvectors() * shrink.cwiseProduct(axes.eigenvectors().transpose() * pushed));
+  }
+  return finite(moved + generalised(motion.wind, Eigen::Vector3d::Zero()));
+}
+
+Vector6d step_scalar_implicit(const Matrix6d& resistance, const MassProperties& body, const Motion& motion, const Vector6d& external,
+                              double dt) {
+  check_step(dt, resistance.allFinite() && relative(motion).allFinite() && external.allFinite());
+  const auto factored = body.matrix().llt();
+  const double trace = factored.solve(resistance).trace();
+  const Vector6d wrench = external - resistance * relative(motion);
+  return finite(generalised(motion.velocity, motion.angular_velocity) + dt / (1.0 + dt * trace) * factored.solve(wrench));
+}
+
+double impulse_share(const Wrench& wrench, const MassProperties& body, const Motion& motion, double dt) {
+  check_step(dt, wrench.force.allFinite() && wrench.torque.allFinite() && relative(motion).allFinite());
+  const Vector6d whole = generalised(wrench.force, wrench.torque);
+  const double size = whole.cwiseAbs().maxCoeff();
+  if (!(size > 0.0)) return 1.0;
+  // Per unit of wrench, so that no square of an impulse leaves the range of numbers.
+  const Vector6d unit = whole / size;
+  const double work = -unit.dot(relative(motion)), growth = dt * size * unit.dot(body.matrix().llt().solve(unit));
+  if (!(growth > 0.0)) return work >= 0.0 ? 1.0 : 0.0;
+  const double share = work / growth;
+  return share > 0.0 ? std::min(share, 1.0) : 0.0;
+}
+
+}  // namespace dragcore

@@ -1,0 +1,192 @@
+#include <catch2/catch.hpp>
+#include <fstream>
+
+#include "compare/gate/gate.hpp"
+#include "tests/compare/sample_records.hpp"
+
+using Catch::Contains;
+using sample::CaseRecord;
+
+namespace {
+
+/// Runs the gate with a defect seeded into every prediction.
+template <class Defect>
+compare::GateResult with_defect(const std::vector<CaseRecord>& records, Defect defect) {
+  const auto baseline = compare::make_baseline(records, "test");
+  return compare::run_gate(baseline, records, [&](const compare::NamedModel& named) -> compare::Predictor {
+    return [model = compare::predictor(named.choice), defect](const CaseRecord& record) { return defect(record, model); };
+  });
+}
+
+/// Names of the failed checks of the note's model, comma-separated.
+std::string failures(const compare::GateResult& result) {
+  std::string names;
+  for (const auto& check : result.checks)
+    if (!check.passed && check.name.starts_with("note: ")) names += check.name.substr(6) + ", ";
+  return names;
+}
+
+}  // namespace
+
+TEST_CASE("an unchanged model passes against the baseline made from it", "[compare][gate][analytic]") {
+  const auto records = sample::quick_tier();
+  const auto result = compare::run_gate(compare::make_baseline(records, "test"), records);
+  for (const auto& check : result.checks) {
+    INFO(check.name << ": " << check.detail);
+    CHECK(check.passed);
+    CHECK(check.compared > 0);
+  }
+  CHECK(result.passed());
+  CHECK(result.compared == 12);
+}
+
+TEST_CASE("half the reference area turns the gate red", "[compare][gate][regression]") {
+  const auto result = with_defect(sample::quick_tier(), [](const CaseRecord& record, const compare::Predictor& model) {
+    dragcore::Wrench wrench = model(record);
+    wrench.force *= 2.0;  // C = F / (q A): half the area doubles every coefficient
+    wrench.torque *= 2.0;
+    return wrench;
+  });
+  CHECK_FALSE(result.passed());
+  CHECK_THAT(failures(result), Contains("predictions") && Contains("group error") && Contains("case error"));
+}
+
+TEST_CASE("total and pressure force summed turns the gate red", "[compare][gate][regression]") {
+  const auto records = sample::quick_tier();
+  auto summed = records;
+  for (CaseRecord& record : summed) {
+    record.load.force_viscous += record.load.force_pressure;
+    record.load.moment_viscous += record.load.moment_pressure;
+  }
+  const auto result = compare::run_gate(compare::make_baseline(records, "test"), summed);
+  CHECK_FALSE(result.passed());
+  CHECK_THAT(failures(result), Contains("references") && Contains("group error") && Contains("case error"));
+}
+
+TEST_CASE("a flipped pitch sign turns the gate red", "[compare][gate][regression]") {
+  const auto flip = [](const CaseRecord& record, const compare::Predictor& model) {
+    dragcore::Wrench wrench = model(record);
+    wrench.torque.y() *= -1.0;
+    return wrench;
+  };
+  const auto result = with_defect(sample::quick_tier(), flip);
+  CHECK_FALSE(result.passed());
+  CHECK_THAT(failures(result), Contains("predictions") && Contains("signs"));
+}
+
+TEST_CASE("degrees taken for radians turn the gate red", "[compare][gate][regression]") {
+  const auto result = with_defect(sample::quick_tier(), [](CaseRecord record, const compare::Predictor& model) {
+    record.pose.incidence /= sample::deg;
+    record.pose.yaw /= sample::deg;
+    return model(record);
+  });
+  CHECK_FALSE(result.passed());
+  CHECK_THAT(failures(result), Contains("predictions") && Contains("case error"));
+}
+
+TEST_CASE("a torque about the wrong point turns the gate red", "[compare][gate][regression]") {
+  const auto result = with_defect(sample::quick_tier(), [](const CaseRecord& record, const compare::Predictor& model) {
+    dragcore::Wrench wrench = model(record);
+    wrench.torque -= Eigen::Vector3d(0.0, 0.1, 0.0).cross(wrench.force);
+    return wrench;
+  });
+  CHECK_FALSE(result.passed());
+  CHECK_THAT(failures(result), Contains("null channels"));
+}
+
+TEST_CASE("a change of one part in a million is seen by the check of predictions and by no other", "[compare][gate][limit]") {
+  const auto result = with_defect(sample::quick_tier(), [](const CaseRecord& record, const compare::Predictor& model) {
+    dragcore::Wrench wrench = model(record);
+    wrench.force *= 1.0 + 1e-6;
+    return wrench;
+  });
+  CHECK(failures(result) == "predictions, ");
+}
+
+TEST_CASE("rounding passes", "[compare][gate][limit]") {
+  const auto result = with_defect(sample::quick_tier(), [](const CaseRecord& record, const compare::Predictor& model) {
+    dragcore::Wrench wrench = model(record);
+    wrench.force *= 1.0 + 1e-13;
+    return wrench;
+  });
+  CHECK(result.passed());
+}
+
+TEST_CASE("a dropped or diverged case leaves the comparison incomplete", "[compare][gate][regression]") {
+  const auto records = sample::quick_tier();
+  const auto baseline = compare::make_baseline(records, "test");
+  auto dropped = records;
+  dropped.erase(dropped.begin() + 4);
+  auto result = compare::run_gate(baseline, dropped);
+  CHECK_FALSE(result.complete());
+  CHECK_FALSE(result.passed());
+  CHECK(result.compared == 11);
+  CHECK_THAT(compare::render(result), Contains(records[4].name) && Contains("11 of 12"));
+  auto diverged = records;
+  diverged[4].status = case_record::Status::diverged;
+  CHECK_FALSE(compare::run_gate(baseline, diverged).complete());
+  CHECK_FALSE(compare::run_gate(baseline, {}).complete());
+}
+
+TEST_CASE("a reference that leans where symmetry forbids it turns the gate red", "[compare][gate][regression]") {
+  auto records = sample::quick_tier();
+  records[1].load.force_pressure.y() += 0.1 * compare::coefficient_scales(records[1])[0];  // a side force on a plate at incidence
+  // Even a baseline that accepted it does not make it right.
+  const auto result = compare::run_gate(compare::make_baseline(records, "test"), records);
+  CHECK_THAT(failures(result), Contains("null channels"));
+}
+
+TEST_CASE("cases solved again agree within their uncertainty, or the gate says by how much they do not", "[compare][gate][regression]") {
+  const auto records = sample::quick_tier();
+  CHECK(compare::check_solved_again(records, {records[0], records[4]}).passed);
+  auto again = records[4];
+  again.load.force_pressure.x() *= 1.05;  // its uncertainty is far below 5 %
+  const auto check = compare::check_solved_again(records, {again});
+  CHECK_FALSE(check.passed);
+  CHECK_THAT(check.detail, Contains(again.name + " C_D"));
+  again = records[4];
+  again.status = case_record::Status::diverged;
+  CHECK_FALSE(compare::check_solved_again(records, {again}).passed);
+  again = records[4];
+  again.name = "another_medium";
+  CHECK_FALSE(compare::check_solved_again(records, {again}).passed);
+  CHECK_FALSE(compare::check_solved_again(records, {}).passed);  // nothing to look at
+}
+
+TEST_CASE("a baseline comes back from its file, with all reasons", "[compare][gate][invariance]") {
+  const sample::Folder folder;
+  const auto records = sample::quick_tier();
+  const auto first = compare::make_baseline(records, "first of all");
+  const auto second = compare::make_baseline(records, "again", first);
+  compare::write_baseline(folder / "deep/quick.json", second);
+  const auto back = compare::read_baseline(folder / "deep/quick.json");
+  CHECK(compare::differences(second, back).empty());
+  CHECK(compare::run_gate(back, records).passed());
+  REQUIRE(back.history.size() == 2);
+  CHECK(back.history[0].reason == "first of all");
+  CHECK(back.history[1].reason == "again");
+}
+
+TEST_CASE("differences between baselines name case, channel and both numbers", "[compare][gate][analytic]") {
+  const auto records = sample::quick_tier();
+  auto changed = records;
+  changed[0].load.force_pressure.x() *= 1.1;
+  changed.pop_back();
+  const auto lines = compare::differences(compare::make_baseline(records, "a"), compare::make_baseline(changed, "b"));
+  std::string text;
+  for (const auto& line : lines) text += line + "\n";
+  CHECK_THAT(text, Contains("- case " + records.back().name));
+  CHECK_THAT(text, Contains(records[0].name + " C_D: CFD"));
+}
+
+TEST_CASE("a missing or broken baseline is an error that says what to do, and nothing is created", "[compare][gate][hard]") {
+  const sample::Folder folder;
+  CHECK_THROWS_WITH(compare::read_baseline(folder / "none.json"), Contains("none.json") && Contains("dragval baseline accept"));
+  CHECK_FALSE(std::filesystem::exists(folder / "none.json"));
+  std::ofstream(folder / "broken.json") << "{\"schema\": \"dragval baseline 1\", ";
+  CHECK_THROWS_WITH(compare::read_baseline(folder / "broken.json"), Contains("broken.json"));
+  std::ofstream(folder / "newer.json") << "{\"schema\": \"dragval baseline 7\"}";
+  CHECK_THROWS_WITH(compare::read_baseline(folder / "newer.json"), Contains("dragval baseline 7"));
+  CHECK_THROWS_WITH(compare::make_baseline(sample::quick_tier(), ""), Contains("reason"));
+  CHECK_THROWS_WITH(compare::make_baseline({}, "empty"), Contains("no usable case"));
+}
