@@ -47,7 +47,8 @@ struct Mesh {
   std::vector<case_record::Attempt> attempts;          ///< sizes that checkMesh refused
 };
 
-/// Takes the mesh from the cache, or makes it in `work` and puts it there: cfd_mesh, gmshToFoam, polyDualMesh, renumberMesh, checkMesh. Of
+/// Takes the mesh from the cache, or makes it in `work` and puts it there: cfd_mesh, gmshToFoam, polyDualMesh, renumberMesh, checkMesh, or
+/// snappyHexMesh for a body given by triangles. Of
 /// two callers who need the same mesh the second waits for the first.
 /// @param on_stage  told "mesh" and "convert" when they begin
 /// @throws CaseFailure when a tool fails, checkMesh refuses all sizes, cubes do not fit the body, or area and volume of the wall are not

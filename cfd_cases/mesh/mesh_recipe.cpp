@@ -72,6 +72,9 @@ struct Distance {
     const double to_triangle = distance_to_profile({{nose, 0.0}, {tail, half}, {tail, 0.0}}, Vector3d(p.x(), p.z(), 0.0));
     return std::hypot(to_triangle, std::max(0.0, std::abs(p.y()) - 0.5 * s.span));
   }
+  double operator()(const dragcore::MeshBody& s) const {
+    throw std::invalid_argument(fmt::format("the sizes around {}, which is given by triangles, are snappyHexMesh's", s.name));
+  }
 };
 
 const std::map<std::string, double> kRefinement{{"coarse", 1.4}, {"medium", 1.0}, {"fine", 1.0 / 1.4}, {"finest", 1.0 / 1.96}};
@@ -287,7 +290,9 @@ MeshRecipe recipe_from_json(const nlohmann::json& text) {
 }
 
 nlohmann::json to_json(const dragcore::Shape& shape) {
-  return {{"kind", dragcore::kind(shape)}, {"parameters", dragcore::parameters(shape)}};
+  nlohmann::json text{{"kind", dragcore::kind(shape)}, {"parameters", dragcore::parameters(shape)}};
+  if (const auto* body = std::get_if<dragcore::MeshBody>(&shape)) text["triangles"] = fmt::format("{:016x}", body->checksum);
+  return text;
 }
 
 dragcore::Shape shape_from_json(const nlohmann::json& text) {

@@ -62,7 +62,7 @@ MeshRecipe octree_recipe();
 double refinement_of(const std::string& level, bool octree = false);
 
 /// Distance from a point to the surface of the body (exact for flat-sided bodies and bodies of revolution, first order for other
-/// ellipsoids); 0 inside. Body frame [m].
+/// ellipsoids); 0 inside. Body frame [m]. @throws std::invalid_argument for a body given by triangles
 double distance_to_body(const dragcore::Shape& shape, const Eigen::Vector3d& point_body);
 
 /// Distance to the sharp point of a cone or teardrop [m]; infinite for other shapes.
@@ -127,7 +127,7 @@ std::vector<std::pair<const char*, double*>> recipe_lengths(MeshRecipe& recipe);
 /// Canonical description: part of the key, and the request that the meshing program reads.
 nlohmann::json to_json(const MeshRecipe& recipe);
 MeshRecipe recipe_from_json(const nlohmann::json& text);
-nlohmann::json to_json(const dragcore::Shape& shape);
+nlohmann::json to_json(const dragcore::Shape& shape);  ///< of a body given by triangles their checksum, from which it is not made again
 dragcore::Shape shape_from_json(const nlohmann::json& text);
 
 }  // namespace cfd_cases

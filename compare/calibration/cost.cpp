@@ -42,7 +42,7 @@ std::vector<ModelCost> model_costs(const std::vector<const CaseRecord*>& cases, 
   if (std::holds_alternative<dragcore::Plate>(shape)) meshes = {1, 5, 20, 70};
   if (quick) meshes = {1, 3};
   for (const int divisions : meshes) {
-    const dragcore::Surface surface(triangulate(shape, divisions));
+    const dragcore::Surface surface = surface_of(shape, divisions);
     dragcore::Law by_class = dragcore::law_for(surface.body_class);
     by_class.name = "by class";
     for (const dragcore::Law& law : {dragcore::note_law(), dragcore::consistent_law(), fitted, by_class})

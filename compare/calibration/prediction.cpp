@@ -11,6 +11,14 @@ int default_divisions(const dragcore::Shape& shape) {
   return std::holds_alternative<dragcore::Plate>(shape) || std::holds_alternative<dragcore::Box>(shape) ? 2 : 32;
 }
 
+dragcore::Surface surface_of(const dragcore::Shape& shape, int divisions) {
+  using Sides = dragcore::Surface::Sides;
+  const auto* plate = std::get_if<dragcore::Plate>(&shape);
+  const auto* body = std::get_if<dragcore::MeshBody>(&shape);
+  const bool sheet = (plate && plate->thickness == 0.0) || (body && body->measured.volume == 0.0);
+  return dragcore::Surface(dragcore::triangulate(shape, divisions), sheet ? Sides::two : Sides::one);
+}
+
 namespace {
 
 /// Surfaces are prepared once per shape and resolution: a report evaluates each of them thousands of times.
@@ -18,14 +26,12 @@ const dragcore::Surface& prepared(const dragcore::Shape& shape, int divisions) {
   static std::mutex mutex;
   static std::map<std::tuple<std::string, std::map<std::string, double>, int>, dragcore::Surface> surfaces;
   const std::scoped_lock lock(mutex);
-  const auto key = std::tuple(dragcore::kind(shape), dragcore::parameters(shape), divisions);
+  std::string body = dragcore::kind(shape);
+  if (const auto* mesh = std::get_if<dragcore::MeshBody>(&shape)) body += ' ' + std::to_string(mesh->checksum);
+  const auto key = std::tuple(body, dragcore::parameters(shape), divisions);
   const auto found = surfaces.find(key);
   if (found != surfaces.end()) return found->second;
-  const auto* plate = std::get_if<dragcore::Plate>(&shape);
-  const bool sheet = plate && plate->thickness == 0.0;
-  return surfaces
-      .try_emplace(key, dragcore::triangulate(shape, divisions), sheet ? dragcore::Surface::Sides::two : dragcore::Surface::Sides::one)
-      .first->second;
+  return surfaces.emplace(key, surface_of(shape, divisions)).first->second;
 }
 
 }  // namespace

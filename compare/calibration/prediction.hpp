@@ -12,6 +12,10 @@ namespace compare {
 /// ones, where the error of the faceted surface is below 0.3 % (second order, tests/compare/calibration/test_prediction.cpp).
 int default_divisions(const dragcore::Shape& shape);
 
+/// The surface that a model sees of a body: every prediction, fit and cost measurement takes it from here. A plate without thickness, and
+/// a body of triangles that does not enclose, feel the wind on both sides.
+dragcore::Surface surface_of(const dragcore::Shape& shape, int divisions);
+
 /// One model for every body, or the law that suits the class of each (dragcore::law_for) with one pillow for all.
 struct ModelChoice {
   dragcore::Model model{};
@@ -31,7 +35,7 @@ struct NamedModel {
 };
 
 /// What the drag model says about a case: body in the pose, wind along +x of the wind frame (none in still air), at the case's speed, spin
-/// and density. A plate without thickness is two-sided.
+/// and density.
 /// @param divisions  of the triangulation; 0 takes default_divisions()
 /// @return           force [N] and moment about the body's centroid [N m], wind frame, by term
 dragcore::WrenchByTerm predict(const case_record::CaseRecord& record, const ModelChoice& choice, int divisions = 0);

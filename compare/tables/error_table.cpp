@@ -109,10 +109,7 @@ std::vector<ErrorSummary> summaries_of(const std::vector<ErrorRow>& rows, const 
 
 std::string shape_label(const dragcore::Shape& shape) {
   std::string label = dragcore::kind(shape);
-  const auto defaults = dragcore::parameters(dragcore::make_shape(label, {}));
-  for (const auto& [name, value] : dragcore::parameters(shape))
-    if (!defaults.contains(name) || std::abs(value - defaults.at(name)) > 1e-9 * std::abs(value))
-      label += fmt::format(" {}={:g}", name, value);
+  for (const auto& [name, value] : dragcore::changed_parameters(shape)) label += fmt::format(" {}={:g}", name, value);
   return label;
 }
 

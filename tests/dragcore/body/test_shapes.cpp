@@ -6,6 +6,7 @@
 #include "tests/support/zoo.hpp"
 
 using namespace dragcore;
+using Catch::Matchers::Contains;
 using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
 
@@ -136,4 +137,70 @@ TEST_CASE("a wrong parameter is named with its value and its range", "[shapes][h
   CHECK_THROWS_WITH(properties(Sphere{std::nan("")}), Catch::Contains("diameter"));
   CHECK_THROWS_WITH(properties(Teardrop{1.0, 0.9}), Catch::Contains("greater than its diameter"));
   CHECK_THROWS_WITH(triangulate(Sphere{}, 0), Catch::Contains("divisions = 0"));
+}
+
+TEST_CASE("a body given by triangles is moved to its centroid and measured", "[shapes][invariance]") {
+  const TriangleMesh cube = triangulate(Box{}, 2);
+  const MeshBody body = mesh_body("block", transformed(cube, Eigen::Matrix3d::Identity(), {3.0, -2.0, 5.0}), 0.5, 2.0);
+  const ShapeProperties p = properties(body);
+  CHECK(p.area == Approx(6.0));
+  CHECK(p.volume == Approx(1.0));
+  CHECK(p.reference_area == 0.5);
+  CHECK(p.reference_length == 2.0);
+  CHECK(p.nose_x == Approx(-0.5));
+  CHECK(p.length_x == Approx(1.0));
+  CHECK(p.half_extent.isApprox(Eigen::Vector3d::Constant(0.5)));
+  CHECK(inspect(*body.mesh).centroid.norm() < 1e-12);  // rounding of coordinates up to 5
+  CHECK(kind(body) == "block");
+  CHECK(changed_parameters(body).empty());
+  CHECK(triangulate(body, 7).triangles == body.mesh->triangles);  // divisions do not matter
+  // Read again it is the same to the bit: results are found by its checksum.
+  CHECK(mesh_body("block", *body.mesh, 0.5, 2.0).checksum == body.checksum);
+
+  TriangleMesh open = cube;
+  std::erase_if(open.triangles, [&](const auto& t) {
+    return (cube.vertices[static_cast<std::size_t>(t[0])] + cube.vertices[static_cast<std::size_t>(t[1])] +
+            cube.vertices[static_cast<std::size_t>(t[2])]).x() > 1.4;
+  });
+  const ShapeProperties shell = properties(mesh_body("open_block", open, 1.0, 1.0));
+  CHECK(shell.area == Approx(5.0));
+  CHECK(shell.volume == 0.0);
+}
+
+TEST_CASE("triangles are mirror symmetric where each is the image of another", "[shapes][invariance]") {
+  // The diagonals of the 2 x 2 squares of a side are not mirrored; a tetrahedron over the axes is, about three of its planes.
+  const MeshBody corner = mesh_body(
+      "corner", {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}}, 1.0, 1.0);
+  CHECK(mirror_symmetric(corner, {1, -1, 0}));
+  CHECK(mirror_symmetric(corner, {0, 1, -1}));
+  CHECK_FALSE(mirror_symmetric(corner, {1, 0, 0}));
+  CHECK_FALSE(mirror_symmetric(corner, {1, 1, 0}));
+}
+
+TEST_CASE("a mesh that is no body is refused, and the message says why", "[shapes][hard]") {
+  const TriangleMesh cube = triangulate(Box{}, 4);
+  const auto fault = [](const std::string& name, const TriangleMesh& mesh, double area = 1.0) {
+    try {
+      mesh_body(name, mesh, area, 1.0);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK(fault("fine", cube).empty());
+  CHECK_THAT(fault("cone", cube), Contains("name of a shape"));
+  CHECK_THAT(fault("My Body", cube), Contains("lower-case"));
+  CHECK_THAT(fault("block", cube, 0.0), Contains("reference_area = 0"));
+  TriangleMesh hole = cube;
+  hole.triangles.pop_back();
+  CHECK_THAT(fault("block", hole), Contains("3 edges are open") && Contains("hollow"));
+  TriangleMesh turned = cube;
+  std::swap(turned.triangles[0][0], turned.triangles[0][1]);
+  CHECK_THAT(fault("block", turned), Contains("opposite winding"));
+  TriangleMesh inwards = cube;
+  for (auto& t : inwards.triangles) std::swap(t[0], t[1]);
+  CHECK_THAT(fault("block", inwards), Contains("wound inwards"));
+  TriangleMesh twice = cube;
+  twice.triangles.push_back(cube.triangles[0]);
+  CHECK_THAT(fault("block", twice), Contains("three or more"));
 }
