@@ -130,8 +130,8 @@ std::string submit(const Batch& batch, const Cache& cache, const CampaignOptions
                    const std::set<std::string>& after) {
   for (const PlannedCase* planned : batch.cases)
     if (std::holds_alternative<dragcore::MeshBody>(planned->spec.shape))
-      throw EnvironmentFault(fmt::format("{} takes its body from a file, and jobs take nothing but the matrix along; run it with --executor local",
-                                         planned->spec.name));
+      throw EnvironmentFault(fmt::format(
+          "{} takes its body from a file, and jobs take nothing but the matrix along; run it with --executor local", planned->spec.name));
   std::random_device random;
   const std::string name = fmt::format("dragval-{:%Y%m%dT%H%M%S}-{:08x}", fmt::gmtime(std::time(nullptr)), random());
   const fs::path folder = fs::absolute(cache.root / "slurm" / name), unfinished = folder.string() + ".new";

@@ -40,8 +40,8 @@ CaseIdentity identify(const CaseSpec& spec, const Tools& tools) {
   };
   const nlohmann::json pose = degrees(spec.pose), mesh_pose = degrees(spec.mesh_pose());
   nlohmann::json mesh{{"shape", to_json(spec.shape)},       {"pose", mesh_pose},
-                            {"symmetry", to_string(id.symmetry)}, {"recipe", to_json(id.recipe)},
-                            {"size_factors", kSizeFactors},       {"tools", tools.versions()}};
+                      {"symmetry", to_string(id.symmetry)}, {"recipe", to_json(id.recipe)},
+                      {"size_factors", kSizeFactors},       {"tools", tools.versions()}};
   if (const auto* body = std::get_if<dragcore::MeshBody>(&spec.shape))
     mesh["snappy_sha256"] = digest_of(snappy_files(*body, spec.mesh_pose().radians(), id.recipe, id.symmetry));  // holds every triangle
   id.mesh_description = mesh.dump();

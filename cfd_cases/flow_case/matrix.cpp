@@ -229,7 +229,8 @@ dragcore::Shape read_mesh_body(Table& table, const fs::path& matrix) {
   table.number("reference_length", length, 1e-6, 1e6);
   if (file.empty()) table.fail("shape = \"mesh\" needs file = \"body.stl\", relative to the matrix");
   if (area == 0.0 || length == 0.0)
-    table.fail("shape = \"mesh\" needs reference_area [m2] and reference_length [m], the denominators of its coefficients and Reynolds number");
+    table.fail(
+        "shape = \"mesh\" needs reference_area [m2] and reference_length [m], the denominators of its coefficients and Reynolds number");
   try {
     return dragcore::mesh_body(fs::path(file).stem().string(), dragcore::read_mesh(matrix.parent_path() / file), area, length);
   } catch (const std::exception& error) {

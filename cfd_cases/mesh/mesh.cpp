@@ -115,9 +115,8 @@ std::string check_mesh(Stages& stages, Mesh& mesh) {
 }
 
 /// A body given by triangles, in an empty folder. Returns what is wrong with the mesh, empty when it is fine.
-std::string make_snappy_mesh(const dragcore::MeshBody& body, const CaseSpec& spec, MeshRecipe recipe, Symmetry symmetry,
-                             Stages stages, Mesh& mesh,
-                             const std::function<void(const char*)>& on_stage) try {
+std::string make_snappy_mesh(const dragcore::MeshBody& body, const CaseSpec& spec, MeshRecipe recipe, Symmetry symmetry, Stages stages,
+                             Mesh& mesh, const std::function<void(const char*)>& on_stage) try {
   auto files = dictionaries(spec, symmetry, Rung::standard);
   std::erase_if(files, [](const auto& file) { return file.first.starts_with("0/"); });  // no patches for them yet
   files.merge(snappy_files(body, spec.mesh_pose().radians(), recipe, symmetry));

@@ -17,8 +17,8 @@ namespace {
 
 /// Cells between two levels of cubes: with one, the corners of a step touch.
 constexpr int kBetweenLevels = 2;
-/// Depth of the layer of smallest cubes around the body, in body scales: a little more than two of them. Without a layer, a body of the size of a cube
-/// of the background is missed without a word.
+/// Depth of the layer of smallest cubes around the body, in body scales: a little more than two of them. Without a layer, a body of the
+/// size of a cube of the background is missed without a word.
 constexpr double kLayer = 0.12;
 
 struct Regions {
@@ -180,19 +180,18 @@ std::map<std::string, std::string> snappy_files(const dragcore::MeshBody& body, 
 double snappy_cells(const dragcore::MeshBody& body, const dragcore::Pose& pose, const MeshRecipe& recipe, Symmetry symmetry) {
   const Regions regions = regions_of(body, pose, recipe, symmetry);
   const double share = symmetry == Symmetry::none ? 1.0 : 0.5;
-  // Each region, grown by the cells between two levels, in cubes of its own size less what they replace.
+  // Each region, grown by the cubes between two levels, in cubes of its own size less what they replace.
   const auto gained = [&](double volume, int level, int below) {
     return volume * (std::pow(regions.size(level), -3) - std::pow(regions.size(below), -3));
   };
   const auto grown = [&](const AlignedBox3d& box, int level) {
-    const double more = 0.5 * kBetweenLevels * regions.size(level - 1);
-    return share * (box.sizes() + Vector3d::Constant(2.0 * more)).prod();
+    return share * (box.sizes() + Vector3d::Constant(0.75 * kBetweenLevels * regions.size(level - 1))).prod();
   };
   double cells = regions.cubes.cast<double>().prod();
   cells += gained(grown(regions.outer, regions.outer_level), regions.outer_level, 0);
   cells += gained(grown(regions.wake, regions.wake_level), regions.wake_level, regions.outer_level);
   const double area = share * (is_shell(body) ? 2.0 : 1.0) * body.measured.area;
-  const double depth = regions.layer + regions.size(regions.body_level);
+  const double depth = regions.layer + 0.5 * regions.size(regions.body_level);
   cells += gained(area * depth, regions.body_level, regions.wake_level);
   return cells - share * body.measured.volume / std::pow(regions.size(regions.wake_level), 3);
 }
@@ -222,7 +221,8 @@ std::string snappy_fault(const dragcore::MeshBody& body, const MeshRecipe& recip
   for (int i = 0; i < patch.faces; ++i) sum += face_geometry(mesh, patch.first_face + i).area_vector;
   if (across(symmetry) >= 0) sum[across(symmetry)] = 0.0;
   // Points are written with 12 digits.
-  if (!(sum.norm() <= 1e-8 * area)) return fmt::format("the faces of the wall do not close: their area vectors add up to {:.3g} m2", sum.norm());
+  if (!(sum.norm() <= 1e-8 * area))
+    return fmt::format("the faces of the wall do not close: their area vectors add up to {:.3g} m2", sum.norm());
   return {};
 }
 

@@ -9,9 +9,9 @@
 namespace cfd_cases {
 
 /// A body given by its triangles is meshed by snappyHexMesh: cubes of the recipe's far size, halved as often as brings them nearest to the
-/// recipe's sizes in its boxes and on the body (the levels of refinement_of() are then similar to each other), then drawn onto the triangles
-/// and their sharp and open edges. An open shell has no thickness; both of its sides become wall, and cubes along its edges are halved once
-/// more, since what is lost there is lost on both sides.
+/// recipe's sizes in its boxes and on the body (the levels of refinement_of() are then similar to each other), then drawn onto the
+/// triangles and their sharp and open edges. An open shell has no thickness; both of its sides become wall, and cubes along its edges are
+/// halved once more, since what is lost there is lost on both sides.
 ///
 /// @return  files of a case folder by path, for surfaceFeatureExtract, blockMesh and snappyHexMesh, the triangles in their pose among them
 std::map<std::string, std::string> snappy_files(const dragcore::MeshBody& body, const dragcore::Pose& pose, const MeshRecipe& recipe,

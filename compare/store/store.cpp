@@ -330,7 +330,8 @@ void write_meshes(const Handle& file, const std::vector<CaseRecord>& cases) {
 dragcore::TriangleMesh read_triangles(const Handle& group) {
   dragcore::TriangleMesh mesh;
   const Table vertices = hdf5::read_table(group, "vertices"), triangles = hdf5::read_table(group, "triangles");
-  if (vertices.cols() != 3 || triangles.cols() != 3) throw std::runtime_error("a mesh needs three coordinates a vertex and three corners a triangle");
+  if (vertices.cols() != 3 || triangles.cols() != 3)
+    throw std::runtime_error("a mesh needs three coordinates a vertex and three corners a triangle");
   for (const auto& row : vertices.rowwise()) mesh.vertices.emplace_back(row.transpose());
   for (const auto& row : triangles.rowwise()) mesh.triangles.emplace_back(row.transpose().cast<int>());
   return mesh;

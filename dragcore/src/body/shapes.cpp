@@ -517,14 +517,13 @@ class ParameterReader {
 }  // namespace
 
 std::string kind(const Shape& shape) {
-  return std::visit(Overload{[](const Plate&) { return std::string("plate"); },
-                             [](const Box& s) { return std::string(is_cube(s) ? "cube" : "box"); },
-                             [](const Cone&) { return std::string("cone"); }, [](const Sphere&) { return std::string("sphere"); },
-                             [](const Cylinder&) { return std::string("cylinder"); },
-                             [](const Ellipsoid&) { return std::string("ellipsoid"); },
-                             [](const Teardrop&) { return std::string("teardrop"); },
-                             [](const Prism&) { return std::string("prism"); }, [](const MeshBody& s) { return s.name; }},
-                    shape);
+  return std::visit(
+      Overload{[](const Plate&) { return std::string("plate"); }, [](const Box& s) { return std::string(is_cube(s) ? "cube" : "box"); },
+               [](const Cone&) { return std::string("cone"); }, [](const Sphere&) { return std::string("sphere"); },
+               [](const Cylinder&) { return std::string("cylinder"); }, [](const Ellipsoid&) { return std::string("ellipsoid"); },
+               [](const Teardrop&) { return std::string("teardrop"); }, [](const Prism&) { return std::string("prism"); },
+               [](const MeshBody& s) { return s.name; }},
+      shape);
 }
 
 std::map<std::string, double> parameters(const Shape& shape) {
@@ -625,10 +624,12 @@ MeshBody mesh_body(const std::string& name, const TriangleMesh& mesh, double ref
   const auto count = [](int number, const char* what) { return std::to_string(number) + " " + what; };
   if (found.triangles == found.degenerate) refuse("it has no triangle with an area");
   if (found.non_manifold_edges > 0) refuse(count(found.non_manifold_edges, "edges have three or more triangles; needed are two at most"));
-  if (!found.consistently_wound) refuse(count(found.inconsistent_edges, "edges lie between triangles of opposite winding; turn one of each pair"));
+  if (!found.consistently_wound)
+    refuse(count(found.inconsistent_edges, "edges lie between triangles of opposite winding; turn one of each pair"));
   if (found.inside_out) refuse("its triangles are wound inwards; turn them all");
   if (found.encloses && !found.closed)
-    refuse(count(found.boundary_edges, "edges are open, around holes that are small for a shell; close them, or the body would be meshed hollow"));
+    refuse(count(found.boundary_edges,
+                 "edges are open, around holes that are small for a shell; close them, or the body would be meshed hollow"));
 
   // Moved only where it is not there yet, so that a body that is read again keeps its checksum.
   MeshBody body{.name = name, .mesh = {}, .measured = {}, .checksum = 0};

@@ -189,7 +189,8 @@ TEST_CASE("a body of triangles comes from a file beside the matrix and says its 
 
   CHECK_THAT(fault(file), Contains("needs reference_area [m2] and reference_length [m]"));
   CHECK_THAT(fault(reference), Contains("needs file = \"body.stl\""));
-  CHECK_THAT(fault(reference + "file = \"../bodies/absent.stl\"\n"), StartsWith(SOURCE_FOLDER) && Contains(":5:") && Contains("absent.stl"));
+  CHECK_THAT(fault(reference + "file = \"../bodies/absent.stl\"\n"),
+             StartsWith(SOURCE_FOLDER) && Contains(":5:") && Contains("absent.stl"));
   CHECK_THAT(fault(reference + file + "spin = \"z\"\n"), Contains("at rest"));
   CHECK_THAT(fault(reference + file + "mesher = \"octree\"\n"), Contains("snappyHexMesh"));
   CHECK_THAT(fault(reference + file + "reference_mass = 1\n"), Contains("unknown key 'reference_mass'"));

@@ -379,8 +379,8 @@ TEST_CASE("leftovers of a killed writer are not read", "[compare][store][hard]")
 TEST_CASE("a body of triangles comes back from the store whole, each mesh kept once", "[compare][store]") {
   const sample::Folder folder;
   const auto tent = [](double height) {
-    return dragcore::mesh_body("tent", {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.1, 0.2, height}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}}, 0.7,
-                               1.3);
+    return dragcore::mesh_body(
+        "tent", {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.1, 0.2, height}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}}, 0.7, 1.3);
   };
   std::vector<CaseRecord> records = {sample::record("tent_incidence-000", tent(1.0), {}),
                                      sample::record("tent_incidence-030", tent(1.0), {.incidence = 0.5}),
@@ -393,8 +393,8 @@ TEST_CASE("a body of triangles comes back from the store whole, each mesh kept o
     CHECK(dragcore::kind(again.cases[i].shape) == dragcore::kind(reference.cases[i].shape));
     // The prediction needs nothing but the file.
     const auto before = compare::predict(reference.cases[i], {}).total(), after = compare::predict(again.cases[i], {}).total();
-    CHECK(before.force == after.force);
-    CHECK(before.torque == after.torque);
+    CHECK(before.force.isApprox(after.force, 1e-10));  // poses are stored in degrees, rounded to 1e-9
+    CHECK((before.torque - after.torque).norm() < 1e-10 * before.force.norm());
   }
   const auto& body = std::get<dragcore::MeshBody>(again.cases[1].shape);
   CHECK(body.mesh->vertices == std::get<dragcore::MeshBody>(reference.cases[1].shape).mesh->vertices);
@@ -410,5 +410,5 @@ TEST_CASE("a body of triangles comes back from the store whole, each mesh kept o
   CHECK_FALSE(compare::write_reference(folder / "reference.h5", again, "def"));  // the same rows
 
   compare::write_run(folder / "run.h5", reference.cases[1]);
-  CHECK(compare::predict(compare::read_run(folder / "run.h5"), {}).total().force == compare::predict(reference.cases[1], {}).total().force);
+  CHECK(dragcore::parameters(compare::read_run(folder / "run.h5").shape) == dragcore::parameters(reference.cases[1].shape));
 }

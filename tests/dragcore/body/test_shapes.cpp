@@ -160,7 +160,8 @@ TEST_CASE("a body given by triangles is moved to its centroid and measured", "[s
   TriangleMesh open = cube;
   std::erase_if(open.triangles, [&](const auto& t) {
     return (cube.vertices[static_cast<std::size_t>(t[0])] + cube.vertices[static_cast<std::size_t>(t[1])] +
-            cube.vertices[static_cast<std::size_t>(t[2])]).x() > 1.4;
+            cube.vertices[static_cast<std::size_t>(t[2])])
+               .x() > 1.4;
   });
   const ShapeProperties shell = properties(mesh_body("open_block", open, 1.0, 1.0));
   CHECK(shell.area == Approx(5.0));
@@ -169,8 +170,8 @@ TEST_CASE("a body given by triangles is moved to its centroid and measured", "[s
 
 TEST_CASE("triangles are mirror symmetric where each is the image of another", "[shapes][invariance]") {
   // The diagonals of the 2 x 2 squares of a side are not mirrored; a tetrahedron over the axes is, about three of its planes.
-  const MeshBody corner = mesh_body(
-      "corner", {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}}, 1.0, 1.0);
+  const MeshBody corner =
+      mesh_body("corner", {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}}, 1.0, 1.0);
   CHECK(mirror_symmetric(corner, {1, -1, 0}));
   CHECK(mirror_symmetric(corner, {0, 1, -1}));
   CHECK_FALSE(mirror_symmetric(corner, {1, 0, 0}));
