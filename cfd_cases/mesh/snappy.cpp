@@ -110,6 +110,8 @@ boundary
                                                plane.empty() ? "" : "  symmetry { type symmetry; faces ( " + plane + " ); }\n");
 }
 
+/// Points of the wall are drawn to the nearest place as they are: smoothed before, three times as usual, they creep in from the rim of a
+/// shell, which then lacks 1 to 2 % of its area instead of 0.3 %.
 std::string refinement(const Regions& regions) {
   const auto box = [](const AlignedBox3d& of) {
     return fmt::format("type searchableBox; min {}; max {};", point(of.min()), point(of.max()));
@@ -142,7 +144,7 @@ castellatedMeshControls
 }}
 snapControls
 {{
-  nSmoothPatch 3;  tolerance 2;  nSolveIter 50;  nRelaxIter 5;  nFeatureSnapIter 10;
+  nSmoothPatch 0;  tolerance 2;  nSolveIter 50;  nRelaxIter 5;  nFeatureSnapIter 10;
   implicitFeatureSnap false;  explicitFeatureSnap true;  multiRegionFeatureSnap false;
 }}
 addLayersControls
