@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+
+namespace dragcore {
+
+/// Extents of a set of triangles along the principal axes of their area, in ascending order [m].
+/// @param corners  of a triangle by its index, as std::array<Eigen::Vector3d, 3>
+template <class CornersOf>
+Eigen::Vector3d principal_extents(Eigen::Index count, CornersOf&& corners) {
+  using Eigen::Vector3d;
+  if (count == 0) return Vector3d::Zero();
+  const Vector3d origin = corners(0)[0];
+  double total = 0.0;
+  Vector3d first = Vector3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const std::array<Vector3d, 3> p = corners(i);
+    const double area = 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).stableNorm();
+    total += area;
+    first += area * ((p[0] + p[1] + p[2]) / 3.0 - origin);
+    for (int k = 0; k < 3; ++k) {  // midpoints of edges: exact for second moments
+      const Vector3d middle = 0.5 * (p[k] + p[(k + 1) % 3]) - origin;
+      second += area / 3.0 * middle * middle.transpose();
+    }
+  }
+  if (!(total > 0.0)) return Vector3d::Zero();
+  first /= total;
+  const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second / total - first * first.transpose()).eigenvectors();
+  Vector3d low = axes.transpose() * (corners(0)[0] - origin), high = low;
+  for (Eigen::Index i = 0; i < count; ++i)
+    for (const Vector3d& corner : corners(i)) {
+      const Vector3d place = axes.transpose() * (corner - origin);
+      low = low.cwiseMin(place);
+      high = high.cwiseMax(place);
+    }
+  Vector3d extents = high - low;
+  std::sort(extents.begin(), extents.end());
+  return extents;
+}
+
+/// Mean thickness 2 V/A over the middle extent, below which a body is a sheet to the air: a twentieth for the plates and discs that the
+/// sheet law was fitted to, a quarter for a box of half depth.
+inline constexpr double sheet_thickness = 0.12;
+
+}  // namespace dragcore
