@@ -15,10 +15,10 @@
 #include <set>
 #include <thread>
 
-#include "cfd_cases/campaign/subprocess.hpp"
 #include "cfd_cases/flow_case/case_key.hpp"
 #include "cfd_cases/flow_case/dictionaries.hpp"
 #include "cfd_cases/flow_case/solve.hpp"
+#include "cfd_cases/programs/subprocess.hpp"
 
 namespace cfd_cases {
 

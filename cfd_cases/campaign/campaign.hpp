@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "cfd_cases/campaign/cost_model.hpp"
+#include "cfd_cases/flow_case/case_mesh.hpp"
 #include "cfd_cases/flow_case/matrix.hpp"
-#include "cfd_cases/mesh/mesh.hpp"
 
 namespace cfd_cases {
 

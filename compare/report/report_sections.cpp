@@ -563,21 +563,21 @@ std::string cost_section(const Report& report, const std::map<std::string, nlohm
   }
   if (!times.rows.empty()) text += times.text();
 
-  Table openfoam{.id = "cfd-cost-table",
-                 .caption =
-                     "OpenFOAM by mesh level: medians over the usable cases; CPU seconds. Last column: largest |difference| of "
-                     "<i>C</i><sub>D</sub> from the finest mesh of the same case."};
-  openfoam.head = {{{"body", "text"},
-                    {"Re"},
-                    {"mesh", "text"},
-                    {"cases"},
-                    {"cells"},
-                    {"iterations"},
-                    {"mesh"},
-                    {"convert"},
-                    {"solve"},
-                    {"total"},
-                    {"|\u0394<i>C</i><sub>D</sub>|"}}};
+  Table solver_cost{.id = "cfd-cost-table",
+                    .caption =
+                        "OpenFOAM by mesh level: medians over the usable cases; CPU seconds. Last column: largest |difference| of "
+                        "<i>C</i><sub>D</sub> from the finest mesh of the same case."};
+  solver_cost.head = {{{"body", "text"},
+                       {"Re"},
+                       {"mesh", "text"},
+                       {"cases"},
+                       {"cells"},
+                       {"iterations"},
+                       {"mesh"},
+                       {"convert"},
+                       {"solve"},
+                       {"total"},
+                       {"|\u0394<i>C</i><sub>D</sub>|"}}};
   std::map<std::tuple<std::string, double, std::string>, std::vector<const CfdCost*>> levels;
   for (const CfdCost& row : report.cost.cfd) levels[{row.shape, -row.reynolds, row.mesh_level}].push_back(&row);
   std::vector<std::vector<const CfdCost*>> groups;
@@ -595,19 +595,19 @@ std::string cost_section(const Report& report, const std::map<std::string, nlohm
     std::optional<double> worst;
     for (const CfdCost* row : rows)
       if (row->drag_error) worst = std::max(worst.value_or(0.0), *row->drag_error);
-    openfoam.rows.push_back({{escape(rows.front()->shape), "text"},
-                             {reynolds_text(rows.front()->reynolds)},
-                             {escape(rows.front()->mesh_level), "text"},
-                             {std::to_string(rows.size())},
-                             {html::count(middle(&CfdCost::cells))},
-                             {number(middle(&CfdCost::iterations), 0)},
-                             {number(middle(&CfdCost::mesh_s), 1)},
-                             {number(middle(&CfdCost::convert_s), 1)},
-                             {number(middle(&CfdCost::solve_s), 1)},
-                             {number(middle(&CfdCost::total_s), 1)},
-                             {number(worst, 4)}});
+    solver_cost.rows.push_back({{escape(rows.front()->shape), "text"},
+                                {reynolds_text(rows.front()->reynolds)},
+                                {escape(rows.front()->mesh_level), "text"},
+                                {std::to_string(rows.size())},
+                                {html::count(middle(&CfdCost::cells))},
+                                {number(middle(&CfdCost::iterations), 0)},
+                                {number(middle(&CfdCost::mesh_s), 1)},
+                                {number(middle(&CfdCost::convert_s), 1)},
+                                {number(middle(&CfdCost::solve_s), 1)},
+                                {number(middle(&CfdCost::total_s), 1)},
+                                {number(worst, 4)}});
   }
-  if (!groups.empty()) text += openfoam.text();
+  if (!groups.empty()) text += solver_cost.text();
 
   Table checks{
       .id = "cost-check-table",

@@ -104,8 +104,6 @@ std::string csv(const ErrorTable& table) {
   return text;
 }
 
-json optional_json(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
-
 }  // namespace
 
 Format format_from(const std::string& word) {

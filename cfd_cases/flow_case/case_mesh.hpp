@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "cfd_cases/campaign/tools.hpp"
 #include "cfd_cases/flow_case/case_key.hpp"
+#include "cfd_cases/programs/tools.hpp"
 
 namespace cfd_cases {
 

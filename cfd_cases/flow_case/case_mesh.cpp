@@ -1,4 +1,4 @@
-#include "cfd_cases/mesh/mesh.hpp"
+#include "cfd_cases/flow_case/case_mesh.hpp"
 
 #include <fmt/format.h>
 
@@ -11,9 +11,9 @@
 #include <sstream>
 #include <thread>
 
-#include "cfd_cases/campaign/subprocess.hpp"
 #include "cfd_cases/flow_case/dictionaries.hpp"
 #include "cfd_cases/mesh/poly_mesh.hpp"
+#include "cfd_cases/programs/subprocess.hpp"
 
 namespace cfd_cases {
 
