@@ -22,7 +22,7 @@ int main() {
     dragcore::Motion motion{.wind = to_body * wind, .velocity = to_body * velocity};
     motion.angular_velocity = gyroscopic_spin(body, to_body * spin, dt);
     if (frame == 30)  // once, when it moves: wrong units, frames, reference points
-      for (auto& found : diagnose(surface, motion, medium, {to_world, velocity})) std::puts(found.text.c_str());
+      for (auto& w : diagnose(surface, motion, medium, {to_world, velocity})) std::puts(w.text.c_str());
     const dragcore::Matrix6d S = resistance(surface, motion, medium, model);  // drag = S (V_air - V)
     dragcore::Vector6d external;                                             // force, then torque, body frame
     external << to_body * weight, Vector3d::Zero();
