@@ -28,9 +28,10 @@ struct Warning {
 /// What a program knows in its world, to check what it made of it in the body frame. A transposed rotation is a rotation, too, so that it
 /// can only be found where a velocity is given and is not zero.
 struct WorldMotion {
-  Eigen::Matrix3d to_world = Eigen::Matrix3d::Identity();  ///< r_world = to_world * r_body + position
-  std::optional<Eigen::Vector3d> velocity{};               ///< of the reference point, world axes [m/s]
-  std::optional<Eigen::Vector3d> wind{};                   ///< at the reference point, world axes [m/s]
+  /// r_world = to_world * r_body + position; as BodyPlacement::rotation, of a quaternion too.
+  Eigen::Matrix3d to_world = Eigen::Matrix3d::Identity();
+  std::optional<Eigen::Vector3d> velocity{};  ///< of the reference point, world axes [m/s]
+  std::optional<Eigen::Vector3d> wind{};      ///< at the reference point, world axes [m/s]
 };
 
 /// Looks for input that the library takes without a word and that is usually wrong: units, frames, reference points. Meant to be called

@@ -11,10 +11,10 @@ struct MeshMass : MassProperties {
 };
 
 /// Of a solid of uniform density inside a closed mesh: exact integrals over the polyhedron. `added` stays zero.
-/// A shell inside another and wound inwards is a cavity; parts that overlap count once each.
+/// A shell inside another and wound inwards is a cavity; where parts overlap, each counts.
 /// @param density  of the material [kg/m^3], a mean one for what is hollow: mass over volume
 /// @throws std::invalid_argument  as validate(mesh); if the mesh is open, inside out, inconsistently wound or without volume, or the
-/// density is not positive: found, needed, what to do
+/// density is not positive: found, needed, what to do; std::overflow_error where a result is beyond the range of numbers
 /// @accuracy       rounding, also far from the origin
 MeshMass mass_properties(const TriangleMesh& mesh, double density);
 
