@@ -85,6 +85,6 @@ int main() {
 
   // Unreal's quaternions: the axial part changes its sign but for y.
   const Eigen::Quaterniond q(0.5, 0.1, -0.7, 0.5), mirrored(q.w(), -q.x(), q.y(), -q.z());
-  check(unreal.rotation(q.normalized().toRotationMatrix()).isApprox(mirrored.normalized().toRotationMatrix(), 1e-12), "a quaternion's rule");
+  check(unreal.rotation(q.normalized().toRotationMatrix()).isApprox(mirrored.normalized().toRotationMatrix(), 1e-12), "a quaternion");
   return wrong;
 }

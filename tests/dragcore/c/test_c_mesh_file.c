@@ -24,7 +24,8 @@ int main(int count, char** arguments) {
     printf("FAILED: a file that is not there is named (%s)\n", dragcore_last_error());
     good = 0;
   }
-  if (dragcore_mesh_read(file, 0.0, &mesh) != DRAGCORE_INVALID_ARGUMENT || dragcore_mesh_read(NULL, 1.0, &mesh) != DRAGCORE_INVALID_ARGUMENT) {
+  if (dragcore_mesh_read(file, 0.0, &mesh) != DRAGCORE_INVALID_ARGUMENT ||
+      dragcore_mesh_read(NULL, 1.0, &mesh) != DRAGCORE_INVALID_ARGUMENT) {
     printf("FAILED: no unit of nothing, no name that is NULL\n");
     good = 0;
   }
