@@ -103,7 +103,8 @@ dragcore_status dragcore_mesh_create(const double* vertices, size_t vertex_count
 void dragcore_mesh_destroy(dragcore_mesh* mesh); /* NULL is allowed */
 
 /* Shapes: dragcore/shapes.hpp has frames and ranges. Lengths in metres, along x, y, z; angles in radians; the centroid is the origin,
- * bodies of revolution have their axis along x and their nose at -x. divisions: segments of a side, or of a quarter turn of a round body. */
+ * bodies of revolution have their axis along x and their nose at -x. divisions: segments of a side, or of a quarter turn of a round body.
+ */
 dragcore_status dragcore_mesh_plate(double chord, double span, double thickness, int divisions,
                                     dragcore_mesh** mesh); /* thickness 0: a sheet */
 dragcore_status dragcore_mesh_box(double length, double width, double height, int divisions, dragcore_mesh** mesh);

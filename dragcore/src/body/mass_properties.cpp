@@ -37,8 +37,8 @@ struct Moments {
     result.mass = density * content;
     result.inertia = central.trace() * Matrix3d::Identity() - central;
     result.centre_of_mass = origin + centre;
-    if (!std::isfinite(result.mass) || !result.inertia.allFinite() || !result.centre_of_mass.allFinite())
-      throw std::overflow_error("mass properties: mass or inertia is beyond the range of numbers, 1e308");
+    if (!(result.mass > 0.0) || !std::isfinite(result.mass) || !result.inertia.allFinite() || !result.centre_of_mass.allFinite())
+      throw std::overflow_error("mass properties: mass or inertia is beyond the range of numbers, 1e-308 to 1e308");
     return result;
   }
 };

@@ -142,6 +142,9 @@ TEST_CASE("meshes that enclose no solid are refused with the reason", "[mass_pro
   CHECK_THROWS_WITH(mass_properties(flat, 1), Contains("volume = 0") && Contains("sheet_mass_properties"));
   CHECK_THROWS_WITH(sheet_mass_properties({}, 1), Contains("no triangles"));
   CHECK_THROWS_WITH(sheet_mass_properties(transformed(box, Matrix3d::Zero(), Vector3d::Zero()), 1), Contains("area of the mesh = 0"));
+  // Found by the fuzzer: a mass that underflows to zero came back as if it were one.
+  CHECK_THROWS_AS(mass_properties(transformed(box, 1e-3 * Matrix3d::Identity(), Vector3d::Zero()), 1e-320), std::overflow_error);
+  CHECK_THROWS_AS(sheet_mass_properties(transformed(box, 1e120 * Matrix3d::Identity(), Vector3d::Zero()), 1.0), std::overflow_error);
   TriangleMesh wild = box;
   wild.triangles[3][1] = 99;
   CHECK_THROWS_WITH(sheet_mass_properties(wild, 1), Contains("vertex 99"));
