@@ -1,6 +1,7 @@
 #include <fmt/color.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -21,10 +22,10 @@ std::string verdict(const ErrorRow& row) {
     const std::string word = *row.verdict != Verdict::resolved ? "noise" : row.discretisation_assessed ? "resolved" : "resolved*";
     return word + (row.other_branch ? fmt::format("; two branches, other {:.3f}", *row.other_branch) : "");
   }
-  if (row.status == "missing" || (!row.cfd && !row.reason.empty())) return row.status + ": " + row.reason;
   // A usable case may have no centre of pressure: that is no verdict on it.
   const bool usable = row.status == "steady" || row.status == "statistically_steady";
-  return row.cfd || usable ? "" : row.status;
+  if (usable) return row.cfd ? "" : row.reason;
+  return row.status + (row.reason.empty() ? "" : ": " + row.reason);
 }
 
 std::string orientation(const ErrorRow& row) {
@@ -55,6 +56,28 @@ TextGrid rows_grid(const std::vector<const ErrorRow*>& rows) {
               row->published ? number_text(row->published->value) : "", to_published},
              style);
     previous = where;
+  }
+  return grid;
+}
+
+/// Rms errors of the whole table, a line per group of totals.
+TextGrid totals_grid(const std::vector<ErrorSummary>& totals) {
+  TextGrid grid;
+  std::vector<std::string> head = {"rms error of", "cases", "beyond 2u"};
+  for (const Channel channel : all_channels)
+    if (std::any_of(totals.begin(), totals.end(), [&](const ErrorSummary& s) { return s.channel == channel; }))
+      head.push_back(symbol(channel));
+  grid.add(head);
+  for (auto first = totals.begin(); first != totals.end();) {
+    const auto last = std::find_if(first, totals.end(), [&](const ErrorSummary& s) { return s.group != first->group; });
+    // Every case has a C_D, and C_D comes first.
+    std::vector<std::string> cells = {first->group, std::to_string(first->n), fmt::format("{} in C_D", first->resolved)};
+    for (std::size_t k = 3; k < head.size(); ++k) {
+      const auto found = std::find_if(first, last, [&](const ErrorSummary& s) { return symbol(s.channel) == head[k]; });
+      cells.push_back(found == last ? "" : number_text(found->rms));
+    }
+    grid.add(cells);
+    first = last;
   }
   return grid;
 }
@@ -118,7 +141,7 @@ Format format_from(const std::string& word) {
 
 json to_json(const ErrorTable& table) {
   json result = {{"model", table.model_name}, {"compared", table.compared}, {"notes", table.notes}};
-  result["rows"] = result["summaries"] = json::array();
+  result["rows"] = result["totals"] = result["summaries"] = json::array();
   for (const ErrorRow& row : table.rows)
     result["rows"].push_back({{"case", row.case_name},
                               {"family", row.family},
@@ -144,19 +167,20 @@ json to_json(const ErrorTable& table) {
                               {"verdict", row.verdict ? json(verdict(row)) : json(nullptr)},
                               {"published", row.published ? json(row.published->value) : json(nullptr)},
                               {"citation", row.published ? json(row.published->citation) : json(nullptr)}});
-  for (const ErrorSummary& s : table.summaries)
-    result["summaries"].push_back({{"group", s.group},
-                                   {"channel", symbol(s.channel)},
-                                   {"n", s.n},
-                                   {"bias", s.bias},
-                                   {"bias_half_width_95", optional_json(s.bias_half_width)},
-                                   {"rms", s.rms},
-                                   {"rms_relative", optional_json(s.rms_relative)},
-                                   {"worst", s.worst},
-                                   {"worst_case", s.worst_case},
-                                   {"resolved", s.resolved},
-                                   {"bias_factor", optional_json(s.bias_factor)},
-                                   {"scatter", optional_json(s.scatter)}});
+  for (const auto& [name, list] : {std::pair{"totals", &table.totals}, {"summaries", &table.summaries}})
+    for (const ErrorSummary& s : *list)
+      result[name].push_back({{"group", s.group},
+                              {"channel", symbol(s.channel)},
+                              {"n", s.n},
+                              {"bias", s.bias},
+                              {"bias_half_width_95", optional_json(s.bias_half_width)},
+                              {"rms", s.rms},
+                              {"rms_relative", optional_json(s.rms_relative)},
+                              {"worst", s.worst},
+                              {"worst_case", s.worst_case},
+                              {"resolved", s.resolved},
+                              {"bias_factor", optional_json(s.bias_factor)},
+                              {"scatter", optional_json(s.scatter)}});
   result["published"] = to_json(table.published);
   return result;
 }
@@ -169,7 +193,13 @@ std::string render(const ErrorTable& table, Format format, bool colour) {
     if (!terminal) return "### " + title + "\n\n" + markdown(grid) + "\n";
     return (colour ? fmt::format(fmt::emphasis::bold, "{}", title) : title) + "\n" + aligned(grid, colour) + "\n";
   };
-  std::string text;
+  std::string text =
+      "error = model - CFD. u: one standard uncertainty of the CFD, the part of its method included.\n"
+      "u*: without the part of the mesh, which one mesh alone does not show. resolved: |error| > 2u.\n\n";
+  if (!table.totals.empty())
+    text +=
+        block(fmt::format("{}: {} cases compared, means over all of them", table.model_name, table.compared), totals_grid(table.totals));
+  text += block("Errors by group; bias with its 95 % interval", summary_grid(table.summaries));
   for (auto first = table.rows.begin(); first != table.rows.end();) {
     std::vector<const ErrorRow*> family;
     auto row = first;
@@ -177,13 +207,8 @@ std::string render(const ErrorTable& table, Format format, bool colour) {
     text += block(fmt::format("{} (model: {})", first->family, table.model_name), rows_grid(family));
     first = row;
   }
-  text += block("Errors of the model, model - CFD; bias with its 95 % interval", summary_grid(table.summaries));
   if (!table.published.empty())
     text += block("The CFD against published values, on the reference area of docs/conventions.md", truth_grid(table.published));
-  text +=
-      "u: one standard uncertainty of the CFD, the part of its method included; u*: without the part of the mesh, which one level alone "
-      "does not show. resolved: "
-      "|error| > 2u.\n";
   for (const std::string& note : table.notes) text += (terminal ? "" : "* ") + note + "\n";
   return text;
 }
