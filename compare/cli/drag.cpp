@@ -91,7 +91,7 @@ std::vector<Row> winds(const Options& options, const Vector3d& centre, bool pose
     row.motion.wind = vector_from(options.wind);
     // The pose without roll whose wind along +x is this one in the body frame: R^T x = (cos a cos b, -sin b, sin a cos b).
     if (const Vector3d along = row.motion.wind.normalized(); along.norm() > 0.5)
-      row.angles_deg = {std::atan2(along.z(), along.x()) / deg, std::asin(std::clamp(-along.y(), -1.0, 1.0)) / deg, 0.0};
+      row.angles_deg = {std::atan2(along.z(), along.x()) / deg, std::asin(std::clamp(0.0 - along.y(), -1.0, 1.0)) / deg, 0.0};
     return {row};
   }
   std::vector<Row> rows;
@@ -158,7 +158,8 @@ Result evaluate(const Options& options, const Body& body, bool posed) {
   return result;
 }
 
-std::string text(double value) { return std::abs(value) < 5e-13 ? "0" : fmt::format("{:.4g}", value); }
+/// @param scale  of the quantity: what is below 1e-12 of it is rounding, and shown as 0
+std::string text(double value, double scale = 1.0) { return std::abs(value) <= 1e-12 * scale ? "0" : fmt::format("{:.4g}", value); }
 
 std::string coefficient(const Row& row, Eigen::Index k) {
   if (!row.coefficients) return "";
@@ -231,8 +232,9 @@ std::string table(const Result& result, const Options& options, const Body& body
   grid.add({first.empty() ? "body frame" : first, "F_x [N]", "F_y [N]", "F_z [N]", "M_x [N m]", "M_y [N m]", "M_z [N m]"});
   for (const Row& row : result.rows) {
     std::vector<std::string> cells = {angle(row)};
-    for (const double value : row.wrench.force) cells.push_back(text(value));
-    for (const double value : row.wrench.torque) cells.push_back(text(value));
+    const double force = row.wrench.force.norm(), arm = body.extents().maxCoeff();
+    for (const double value : row.wrench.force) cells.push_back(text(value, force));
+    for (const double value : row.wrench.torque) cells.push_back(text(value, force * arm));
     grid.add(cells);
   }
   page += "\n" + grid_text(grid);
@@ -320,7 +322,7 @@ void add_drag(CLI::App& app, Context&) {
       command->add_option("--sweep", options->sweep, "incidence, yaw or roll, and FROM:TO:STEP [deg]")->expected(2)->excludes(wind);
   std::vector<CLI::Option*> pose;
   for (std::size_t k = 0; k < 3; ++k)
-    pose.push_back(command->add_option(std::string("--") + angle_names[k], options->angles_deg[k], "Angle of the body in the wind [deg]")
+    pose.push_back(command->add_option(std::string("--") + angle_names[k], options->angles_deg[k], "Of the body in the wind [deg]")
                        ->check(CLI::Range(-360.0, 360.0))
                        ->excludes(wind));
   pose.push_back(command->add_option("--speed", options->speed, "Of the wind of a pose or a sweep [m/s]")

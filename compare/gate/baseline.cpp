@@ -150,6 +150,8 @@ std::vector<std::string> differences(const Baseline& before, const Baseline& aft
     for (const auto& [case_name, channels] : model.cases) {
       const auto old_case = old->second.cases.find(case_name);
       if (old_case == old->second.cases.end()) continue;  // told above
+      for (const auto& [channel, entry] : old_case->second)
+        if (!channels.contains(channel)) lines.push_back(fmt::format("- {} {} {}", name, case_name, channel));
       for (const auto& [channel, entry] : channels) {
         const auto found = old_case->second.find(channel);
         const Baseline::Entry was = found == old_case->second.end() ? Baseline::Entry{} : found->second;

@@ -337,7 +337,7 @@ std::string error_table(const Report& report, const Sweep& sweep, Channel channe
   }
   const int model_columns = static_cast<int>(models.size()) * (wide ? 3 : 1);
   for (const ErrorRow* row : rows) {
-    std::vector<Cell> cells = {{degrees(sweep.angle_of(*row)) + (row->held_out ? " held out" : ""), "text tight"}};
+    std::vector<Cell> cells = {{degrees(sweep.angle_of(*row)) + (row->held_out ? " held out" : ""), "text tight", 1, row->case_name}};
     if (!row->cfd) {
       cells.push_back({escape(why_empty(*row)), "text bad", 1 + (any_published ? 1 : 0) + model_columns});
       table.rows.push_back(cells);
@@ -380,7 +380,8 @@ std::vector<std::string> off_sweep_tables(const Report& report, const std::vecto
       }
     }
     const int decimals = 4;
-    std::vector<Cell> cells = {{escape(row->case_name), "text"}, {pose_text(*row), "text tight"}, {html::symbol(symbol(row->channel))}};
+    std::vector<Cell> cells = {
+        {escape(row->case_name), "text", 1, row->case_name}, {pose_text(*row), "text tight"}, {html::symbol(symbol(row->channel))}};
     if (!row->cfd) {
       cells.push_back({escape(why_empty(*row)), "text bad", 1 + 3 * static_cast<int>(models.size())});
       table.rows.push_back(cells);

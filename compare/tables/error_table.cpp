@@ -26,9 +26,17 @@ constexpr double near_zero = 0.05;
 constexpr double largest_arm_uncertainty = 1.0;  // of x_cp, in lengths of the body: a point that may as well lie beyond it is not known
 constexpr double rounding_residue = 1e-9;        // coefficients that are zero but for rounding, u included
 
-/// Which lateral force and moment the poses of a family drive; a pose at zero is compared in the same channels as its family.
+/// Which lateral force and moment a pose drives. A combined pose drives both; one at zero is compared in the channels of its family's
+/// sweeps, from which a combined pose takes nothing and to which it adds nothing.
 struct Driven {
   bool incidence = false, yaw = false;
+
+  static Driven by(const dragcore::Pose& pose) {
+    const bool combined = pose.roll != 0.0 && (pose.incidence != 0.0 || pose.yaw != 0.0);
+    return {pose.incidence != 0.0 || combined, pose.yaw != 0.0 || combined};
+  }
+  bool both() const { return incidence && yaw; }
+  bool none() const { return !incidence && !yaw; }
 
   std::vector<Channel> channels() const {
     std::vector<Channel> list = {Channel::drag};
@@ -198,9 +206,11 @@ ErrorTable compare_with(const std::vector<CaseRecord>& records, const Predictor&
   std::map<std::string, Driven> driven;
   for (const CaseOfRecord& chosen : cases) {
     const CaseRecord& record = *chosen.family.record;
+    const Driven own = Driven::by(record.pose);
     Driven& axes = driven[row_of(record).family];
-    axes.incidence |= record.pose.incidence != 0.0;
-    axes.yaw |= record.pose.yaw != 0.0;
+    if (own.both()) continue;
+    axes.incidence |= own.incidence;
+    axes.yaw |= own.yaw;
   }
 
   for (const CaseOfRecord& chosen : cases) {
@@ -214,7 +224,8 @@ ErrorTable compare_with(const std::vector<CaseRecord>& records, const Predictor&
     row.discretisation_assessed = family.uncertainty.discretisation_assessed;
     const std::optional<Coefficients> other =
         chosen.other_branch ? std::optional(coefficients(*chosen.alternatives[*chosen.other_branch].record)) : std::nullopt;
-    for (const Channel channel : driven.at(row.family).channels()) {
+    const Driven own = Driven::by(record.pose);
+    for (const Channel channel : (own.none() ? driven.at(row.family) : own).channels()) {
       row.channel = channel;
       row.model = ours[channel];
       row.cfd = usable ? theirs[channel] : std::nullopt;

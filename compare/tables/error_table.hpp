@@ -80,8 +80,8 @@ GroupBy group_by_from(const std::string& word);  ///< @throws std::invalid_argum
 using CaseFilter = std::function<bool(const std::string& case_name)>;
 
 /// Compares a model with the case of record of each pose, at its finest usable mesh.
-/// Channels: C_D; for families posed by incidence C_L and C_m, for those posed by yaw C_S and C_n; x_cp where it is defined and known to
-/// a length: further off it says nothing.
+/// Channels: C_D; for poses by incidence C_L and C_m, for those by yaw C_S and C_n, for combined ones all four, and for a pose at zero
+/// those of the sweeps of its family; x_cp where it is defined and known to a length: further off it says nothing.
 /// @param missing  names of planned cases without a record: they become rows with status "missing"
 /// @param shown    the other cases still count for uncertainties, channels and relative errors, so that a row is the same in every choice
 ErrorTable compare_with(const std::vector<case_record::CaseRecord>& records, const Predictor& model, const std::string& model_name,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <stdexcept>
 
 #include "compare/tables/error_table.hpp"
@@ -84,13 +85,28 @@ TextGrid totals_grid(const std::vector<ErrorSummary>& totals) {
 
 TextGrid summary_grid(const std::vector<ErrorSummary>& summaries) {
   TextGrid grid;
-  grid.add({"group", "", "n", "bias", "rms", "rms rel.", "worst", "worst case", "resolved", "bias factor", "scatter"});
+  grid.add({"group", "", "n", "bias", "rms", "rms rel.", "worst", "resolved", "bias factor", "scatter", "worst case"});
   for (const ErrorSummary& s : summaries)
     grid.add({s.group, symbol(s.channel), std::to_string(s.n),
               number_text(s.bias, "{:+.3f}") + (s.bias_half_width ? " ± " + number_text(s.bias_half_width) : ""), number_text(s.rms),
-              s.rms_relative ? number_text(100.0 * *s.rms_relative, "{:.1f} %") : "", number_text(s.worst, "{:+.3f}"), s.worst_case,
-              fmt::format("{}/{}", s.resolved, s.n), number_text(s.bias_factor), number_text(s.scatter)});
+              s.rms_relative ? number_text(100.0 * *s.rms_relative, "{:.1f} %") : "", number_text(s.worst, "{:+.3f}"),
+              fmt::format("{}/{}", s.resolved, s.n), number_text(s.bias_factor), number_text(s.scatter), s.worst_case});
   return grid;
+}
+
+/// For a terminal: the name of each group on a line of its own, for it is longer than all its numbers.
+std::string summary_text(const std::vector<ErrorSummary>& summaries, bool colour) {
+  TextGrid grid = summary_grid(summaries);
+  for (std::vector<std::string>& row : grid.rows) row.front().clear();
+  std::istringstream lines(aligned(grid, colour));
+  std::string text, line;
+  std::getline(lines, line);
+  text += line + "\n";
+  for (std::size_t i = 0; std::getline(lines, line); ++i) {
+    if (i == 0 || summaries[i].group != summaries[i - 1].group) text += summaries[i].group + "\n";
+    text += line + "\n";
+  }
+  return text;
 }
 
 std::string csv(const ErrorTable& table) {
@@ -197,9 +213,11 @@ std::string render(const ErrorTable& table, Format format, bool colour) {
       "error = model - CFD. u: one standard uncertainty of the CFD, the part of its method included.\n"
       "u*: without the part of the mesh, which one mesh alone does not show. resolved: |error| > 2u.\n\n";
   if (!table.totals.empty())
-    text +=
-        block(fmt::format("{}: {} cases compared, means over all of them", table.model_name, table.compared), totals_grid(table.totals));
-  text += block("Errors by group; bias with its 95 % interval", summary_grid(table.summaries));
+    text += block(fmt::format("{}: {} cases compared", table.model_name, table.compared), totals_grid(table.totals));
+  const std::string by_group = "Errors by group; bias with its 95 % interval";
+  text += terminal
+              ? (colour ? fmt::format(fmt::emphasis::bold, "{}", by_group) : by_group) + "\n" + summary_text(table.summaries, colour) + "\n"
+              : block(by_group, summary_grid(table.summaries));
   for (auto first = table.rows.begin(); first != table.rows.end();) {
     std::vector<const ErrorRow*> family;
     auto row = first;

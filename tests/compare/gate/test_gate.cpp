@@ -230,6 +230,10 @@ TEST_CASE("differences between baselines name case, channel and both numbers", "
   for (const auto& line : lines) text += line + "\n";
   CHECK_THAT(text, Contains("- case " + records.back().name));
   CHECK_THAT(text, Contains(records[0].name + " C_D: CFD"));
+  auto without_channel = compare::make_baseline(records, "b");
+  without_channel.models.at("note").cases.at(records[0].name).erase("C_m");
+  CHECK(compare::differences(compare::make_baseline(records, "a"), without_channel) ==
+        std::vector<std::string>{"- note " + records[0].name + " C_m"});
 }
 
 TEST_CASE("a missing or broken baseline is an error that says what to do, and nothing is created", "[compare][gate][hard]") {
