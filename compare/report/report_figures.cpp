@@ -107,7 +107,8 @@ std::vector<double> fine_angles(const Sweep& sweep, const std::vector<const Erro
 json sweep_panel(const Report& report, const Sweep& sweep, Channel channel, const std::string& title, bool with_pillow, int width,
                  int height) {
   const auto rows = rows_of(report.models.front().table, sweep, channel);
-  const std::vector<double> angles = fine_angles(sweep, rows);
+  // Every pose has a C_D: the panels of a sweep share their axis.
+  const std::vector<double> angles = fine_angles(sweep, rows_of(report.models.front().table, sweep, Channel::drag));
   json lines = json::array(), points = json::array(), literature = json::array();
   for (const ReportedModel& model : report.models) {
     // The form per triangle depends on the triangulation: a curve of it would be one of the mesh. It has its rows in the tables.

@@ -359,12 +359,13 @@ std::string error_table(const Report& report, const Sweep& sweep, Channel channe
   return table.text();
 }
 
-/// Poses on no sweep, a table for each family: every channel, whole names.
+/// Poses on no sweep, a table for each family: every channel, whole names, and the error of every model.
 std::vector<std::string> off_sweep_tables(const Report& report, const std::vector<Sweep>& list) {
-  const auto models = laws_of(report);
+  constexpr int decimals = 4;
+  const auto models = models_by_law(report);
   std::vector<std::string> tables;
   Table table;
-  std::string family;
+  std::string family, case_name;
   const auto end_table = [&] {
     if (!table.rows.empty()) tables.push_back(fmt::format("<h3>{}, other poses</h3>\n", escape(family)) + table.text());
   };
@@ -372,18 +373,16 @@ std::vector<std::string> off_sweep_tables(const Report& report, const std::vecto
     if (row->family != family) {
       end_table();
       family = row->family;
-      table = {.id = "errors-" + slug_of(family) + "-other", .caption = "Poses on no sweep: OpenFOAM, laws and their errors."};
-      table.head = {{{"case", "text"}, {"pose", "text"}, {""}, {"OpenFOAM \u00b1 <i>u</i>", "tight"}}, std::vector<Cell>(4, Cell{""})};
-      for (const ReportedModel* model : models) {
-        table.head[0].push_back({escape(model->law), "group", 3});
-        for (const char* name : {"law", "error", "%"}) table.head[1].push_back({name});
-      }
+      table = {.id = "errors-" + slug_of(family) + "-other", .caption = "Poses on no sweep: OpenFOAM, and the error of every model."};
+      table.head = {{{"case", "text"}, {"pose", "text"}, {""}, {"OpenFOAM \u00b1 <i>u</i>", "tight"}}};
+      add_model_heads(table, models);
     }
-    const int decimals = 4;
-    std::vector<Cell> cells = {
-        {escape(row->case_name), "text", 1, row->case_name}, {pose_text(*row), "text tight"}, {html::symbol(symbol(row->channel))}};
+    const bool next = std::exchange(case_name, row->case_name) != row->case_name;
+    std::vector<Cell> cells = {{next ? escape(row->case_name) + (row->held_out ? " held out" : "") : "", "text tight", 1, row->case_name},
+                               {next ? pose_text(*row) : "", "text tight"},
+                               {html::symbol(symbol(row->channel))}};
     if (!row->cfd) {
-      cells.push_back({escape(why_empty(*row)), "text bad", 1 + 3 * static_cast<int>(models.size())});
+      cells.push_back({escape(why_empty(*row)), "text bad", 1 + static_cast<int>(models.size())});
       table.rows.push_back(cells);
       continue;
     }
@@ -392,10 +391,7 @@ std::vector<std::string> off_sweep_tables(const Report& report, const std::vecto
       const auto same = std::find_if(model->table.rows.begin(), model->table.rows.end(), [&](const ErrorRow& other) {
         return other.case_name == row->case_name && other.channel == row->channel;
       });
-      const ErrorRow* mine = same == model->table.rows.end() ? nullptr : &*same;
-      cells.push_back({mine ? number(mine->model, decimals) : "\u2013"});
-      cells.push_back(error_cell(mine, decimals));
-      cells.push_back(percent_cell(mine));
+      cells.push_back(error_cell(same == model->table.rows.end() ? nullptr : &*same, decimals));
     }
     table.rows.push_back(cells);
   }

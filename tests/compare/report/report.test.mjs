@@ -156,7 +156,7 @@ test('the page of the committed references has every one of their cases', async 
   }
   for (const channel of ['C_L', 'C_m']) assert.equal(await page.locator(`[id="${cube}-${channel}"]`).count(), 0, channel);
   const others = await rows(page, `${cube}-other`);
-  assert.deepEqual([...new Set(others.map((row) => row[0]))], ['cube_incidence-030_yaw-020_roll-010_re-1e5_fine']);
+  assert.deepEqual(others.map((row) => row[0]).filter((name) => name), ['cube_incidence-030_yaw-020_roll-010_re-1e5_fine']);
   assert.deepEqual(others.map((row) => row[2]), ['CD', 'CL', 'Cm', 'CS', 'Cn']);
   // The law by class has two thirds too little side force at 30 degrees of yaw, and none of the moment: both in plain sight.
   const lawByClass = (await rows(page, `${cube}-C_S`)).find((row) => row[0] === '30°');
