@@ -130,6 +130,9 @@ void add_coefficients(Result& result, const Options& options, const Body& body) 
   }
   result.length = options.length.value_or(body.extents().maxCoeff());
   result.length_is = options.length ? "as given" : "the largest extent of the body";
+  // The frontal area of a sheet edge-on to the wind is rounding, and nothing to divide by.
+  const double extent = body.extents().maxCoeff();
+  if (!options.area && result.area < 1e-9 * extent * extent) result.area = 0.0;
   for (Row& row : result.rows) {
     const double force = 0.5 * options.density * row.motion.wind.squaredNorm() * result.area;
     if (!(force > 0.0) || !(result.length > 0.0)) continue;
@@ -208,7 +211,7 @@ std::string table(const Result& result, const Options& options, const Body& body
     page += line(fmt::format("area: {} m^2 ({})", text(result.area), result.area_is));
     page += line(fmt::format("length: {} m ({})", text(result.length), result.length_is));
   } else {
-    page += line("no coefficients: they need wind and an area above 0");
+    page += line("no coefficients: they need wind, and --area where the frontal area is 0");
   }
   const std::string first = result.swept.empty() ? "" : result.swept;
   const auto angle = [&](const Row& row) {

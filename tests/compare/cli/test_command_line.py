@@ -94,6 +94,11 @@ with tempfile.TemporaryDirectory() as folder:
     assert max(map(len, shown.splitlines()[6:])) <= 132, shown
     still = run("drag", "cube.obj", "--spin", "0", "0", "20", code=0).stdout
     assert "still air" in still and "no coefficients" in still, still
+    with open("sheet.obj", "w") as sheet:
+        sheet.write("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
+    edge_on = ("drag", "sheet.obj", "--incidence", "180", "--format", "json")
+    assert json.loads(run(*edge_on, code=0).stdout)["rows"][0]["coefficients"] is None
+    assert abs(json.loads(run(*edge_on, "--area", "1", code=0).stdout)["rows"][0]["coefficients"]["C_D"]) < 0.1
     assert "--wind 10 0 2" in run("drag", "cube.obj", code=2).stderr
     assert "did you mean yaw" in run("drag", "cube.obj", "--sweep", "yav", "0:90:5", code=2).stderr
     for range_ in ("0:90", "90:0:5", "0:90:0", "0:90:5:1", "a:b:c", "0:90:1e-9"):
