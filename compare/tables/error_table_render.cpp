@@ -36,7 +36,12 @@ std::string orientation(const ErrorRow& row) {
   return text.empty() ? "0°" : text;
 }
 
+bool held_out(const std::vector<const ErrorRow*>& rows) {
+  return std::all_of(rows.begin(), rows.end(), [](const ErrorRow* row) { return row->held_out; });
+}
+
 TextGrid rows_grid(const std::vector<const ErrorRow*>& rows) {
+  const bool all_held_out = held_out(rows);  // then the heading says so
   TextGrid grid;
   grid.add({"orientation", "", "model", "CFD", "u", "error", "relative", "verdict", "published", "CFD to it"});
   std::string previous;
@@ -44,7 +49,7 @@ TextGrid rows_grid(const std::vector<const ErrorRow*>& rows) {
     const std::string where = row->status == "missing"
                                   ? row->case_name
                                   : orientation(*row) + (row->flow_model != flow_class(row->flow_model) ? ", scale-resolving" : "") +
-                                        (row->held_out ? " (held out)" : "");
+                                        (row->held_out && !all_held_out ? ", held out" : "");
     const bool usable = row->cfd || row->status == "steady" || row->status == "statistically_steady";
     const fmt::text_style style = !usable                             ? fg(fmt::terminal_color::red)
                                   : row->verdict == Verdict::resolved ? fg(fmt::terminal_color::yellow)
@@ -222,7 +227,8 @@ std::string render(const ErrorTable& table, Format format, bool colour) {
     std::vector<const ErrorRow*> family;
     auto row = first;
     for (; row != table.rows.end() && row->family == first->family; ++row) family.push_back(&*row);
-    text += block(fmt::format("{} (model: {})", first->family, table.model_name), rows_grid(family));
+    text +=
+        block(fmt::format("{}{} (model: {})", first->family, held_out(family) ? ", held out" : "", table.model_name), rows_grid(family));
     first = row;
   }
   if (!table.published.empty())
