@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "support/ellipsoid_integrals.hpp"
+#include "support/unknown_word.hpp"
 
 namespace dragcore {
 
@@ -540,8 +541,8 @@ Shape make_shape(std::string_view kind, const Parameters& given) {
     shape = Prism{
         .base = read("base", d.base), .span = read("span", d.span), .apex_angle = read("apex_angle_deg", d.apex_angle * degrees) / degrees};
   } else {
-    throw std::invalid_argument("unknown shape '" + std::string(kind) +
-                                "'; known: plate, box, cube, cone, sphere, cylinder, ellipsoid, teardrop, prism");
+    throw std::invalid_argument(
+        unknown_word("shape", kind, {"plate", "box", "cube", "cone", "sphere", "cylinder", "ellipsoid", "teardrop", "prism"}));
   }
   read.finish();
   properties(shape);  // checks the ranges

@@ -137,7 +137,7 @@ TEST_CASE("a wrong parameter is named with its value and its range", "[shapes][h
   CHECK_THROWS_WITH(make_shape("cone", {{"apex_angle_deg", 180.0}}), Catch::Contains("apex_angle") && Catch::Contains("between 0 and pi"));
   CHECK_THROWS_WITH(make_shape("cone", {{"apex", 10.0}}),
                     Catch::Contains("unknown parameter 'apex'") && Catch::Contains("diameter, apex_angle_deg"));
-  CHECK_THROWS_WITH(make_shape("kone", {}), Catch::Contains("unknown shape 'kone'") && Catch::Contains("prism"));
+  CHECK_THROWS_WITH(make_shape("kone", {}), Catch::Contains("unknown shape 'kone': did you mean cone?") && Catch::Contains("prism"));
   CHECK_THROWS_WITH(properties(Plate{.chord = -1.0}), Catch::Contains("chord = -1"));
   CHECK_THROWS_WITH(properties(Sphere{std::nan("")}), Catch::Contains("diameter"));
   CHECK_THROWS_WITH(properties(Teardrop{1.0, 0.9}), Catch::Contains("greater than its diameter"));
