@@ -1,5 +1,7 @@
 #include "compare/calibration/prediction.hpp"
 
+#include <fmt/format.h>
+
 #include <map>
 #include <mutex>
 #include <string>
@@ -36,9 +38,27 @@ ModelChoice ModelChoice::of_class(const dragcore::Pillow& pillow) {
   return choice;
 }
 
+ModelChoice ModelChoice::recommended() {
+  ModelChoice choice = of_class(dragcore::class_pillow(dragcore::BodyClass::sharp));
+  choice.pillow_by_class = true;
+  return choice;
+}
+
+std::string ModelChoice::pillow_label() const {
+  if (model.pillow.form == dragcore::PillowForm::none) return "";
+  const std::string form = to_string(model.pillow.form) + " pillow ";
+  return form + (pillow_by_class ? "by class" : fmt::format("{:g}", model.pillow.factor)) +
+         (model.pillow.falloff == dragcore::Falloff::circular ? "" : " " + to_string(model.pillow.falloff));
+}
+
 dragcore::Model ModelChoice::on(const dragcore::Surface& surface) const {
-  dragcore::Model chosen = model;
-  if (by_class) chosen.law = dragcore::law_for(surface.body_class);
+  if (!by_class) return model;
+  dragcore::Model chosen = dragcore::model_for(surface);
+  chosen.quadrature = model.quadrature;
+  chosen.effects = model.effects;
+  if (pillow_by_class) return chosen;
+  chosen.pillow = model.pillow;
+  if (chosen.sheets) chosen.sheets->pillow = model.pillow;
   return chosen;
 }
 

@@ -12,14 +12,18 @@ namespace compare {
 /// ones, where the error of the faceted surface is below 0.3 % (second order, tests/compare/calibration/test_prediction.cpp).
 int default_divisions(const dragcore::Shape& shape);
 
-/// One model for every body, or the law that suits the class of each (dragcore::law_for) with one pillow for all.
+/// One model for every body, or the law that suits the class of each (dragcore::law_for), with one pillow for all or that of the class.
 struct ModelChoice {
   dragcore::Model model{};
-  bool by_class = false;  ///< the law is chosen by the body; `model.law` is not used
+  bool by_class = false;         ///< the law is chosen by the body; `model.law` is not used
+  bool pillow_by_class = false;  ///< so is the pillow (dragcore::class_pillow)
 
   ModelChoice() = default;  ///< the note's law
   ModelChoice(const dragcore::Model& fixed) : model(fixed) {}
   static ModelChoice of_class(const dragcore::Pillow& pillow = {});
+  static ModelChoice recommended();  ///< what dragcore::model_for() gives
+
+  std::string pillow_label() const;  ///< "tilt pillow 0.78", "tilt pillow by class"; empty without one
 
   dragcore::Model on(const dragcore::Surface& surface) const;
 };

@@ -28,12 +28,13 @@ compare::ModelChoice ModelOptions::model() const {
   if (law != "scaled" && (scale != 1.0 || base_suction != 0.0)) throw UsageError("--scale and --base-suction belong to --law scaled");
   if (std::find(laws.begin(), laws.end(), law) == laws.end() && !law.ends_with(".toml"))
     throw UsageError(dragcore::unknown_word("law", law, laws) + ", or a file of your own, LAW.toml");
-  dragcore::Pillow chosen_pillow = law == "class" ? dragcore::class_pillow() : dragcore::Pillow{};
+  dragcore::Pillow chosen_pillow;
   if (!pillow.empty()) chosen_pillow = {dragcore::pillow_form_from(pillow), factor.value_or(0.0), dragcore::falloff_from(falloff)};
   if (pillow.empty() && factor) throw UsageError("--factor needs --pillow: tilt, say");
   if (chosen_pillow.form != dragcore::PillowForm::none && !pillow.empty() && !factor)
     throw UsageError(fmt::format("--pillow {} needs --factor: 0 to 1, of the tilt form 0 to 1.5", pillow));
-  compare::ModelChoice choice = compare::ModelChoice::of_class(chosen_pillow);
+  compare::ModelChoice choice =
+      law == "class" && pillow.empty() ? compare::ModelChoice::recommended() : compare::ModelChoice::of_class(chosen_pillow);
   choice.model.quadrature = static_cast<dragcore::Quadrature>(quadrature);
   if (law == "class") return choice;
   choice.by_class = false;
@@ -47,9 +48,8 @@ std::string ModelOptions::label() const {
   const std::string name = law == "scaled"  ? fmt::format("scaled {:g} suction {:g}", scale, base_suction)
                            : law == "class" ? "by class"
                                             : law;
-  const dragcore::Pillow chosen = model().model.pillow;
-  if (chosen.form == dragcore::PillowForm::none) return name;
-  return fmt::format("{}, {} pillow {:g}{}", name, to_string(chosen.form), chosen.factor, falloff == "circular" ? "" : " " + falloff);
+  const std::string pillow_label = model().pillow_label();
+  return pillow_label.empty() ? name : name + ", " + pillow_label;
 }
 
 void add_model_options(CLI::App& command, ModelOptions& options) {

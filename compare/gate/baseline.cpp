@@ -49,7 +49,7 @@ std::vector<NamedModel> gated_models() {
       {"note, tilt pillow 0.9", Model{.law = dragcore::note_law(), .pillow = {PillowForm::tilt, 0.9}}},
       {"consistent, tilt pillow 0.9", Model{.law = dragcore::consistent_law(), .pillow = {PillowForm::tilt, 0.9}}},
       {"scaled 0.89 suction 0.25, tilt pillow 1.36", Model{.law = dragcore::scaled_law(0.89, 0.25), .pillow = {PillowForm::tilt, 1.36}}},
-      {"by class, tilt pillow 0.86", ModelChoice::of_class(dragcore::class_pillow())}};
+      {"by class, tilt pillow by class", ModelChoice::recommended()}};
 }
 
 Baseline make_baseline(const std::vector<case_record::CaseRecord>& records, const std::string& reason, const Baseline& previous) {

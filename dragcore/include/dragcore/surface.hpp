@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <dragcore/body_class.hpp>
 #include <dragcore/mesh.hpp>
 #include <dragcore/preparation.hpp>
@@ -9,6 +8,8 @@
 #include <vector>
 
 namespace dragcore {
+
+class EdgeTable;
 
 /// A planar patch: connected triangles in one plane, with the outline and moments that the note's pillow needs.
 struct Patch {
@@ -79,12 +80,11 @@ class Surface {
   void build(const Preparation& preparation);
   using Triangles = std::vector<Eigen::Vector3i>;
   using Vertices = std::vector<Eigen::Vector3d>;
-  using Neighbours = std::vector<std::array<int, 3>>;  // across each edge of every triangle, -1 where there is none
-  void find_convexity(const Triangles& triangles, const Vertices& vertices, const Neighbours& neighbours);
-  void find_patches(const Triangles& triangles, const Vertices& vertices, const Neighbours& neighbours);
+  void find_convexity(const Triangles& triangles, const Vertices& vertices, const EdgeTable& edges);
+  void find_patches(const Triangles& triangles, const Vertices& vertices, const EdgeTable& edges);
   void find_parts();
   void find_classes();
-  void find_regions(const Triangles& triangles, const Neighbours& neighbours);
+  void find_regions(const Triangles& triangles, const EdgeTable& edges);
 };
 
 /// A symmetric tensor from its row of six: xx, xy, xz, yy, yz, zz.

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <span>
 #include <vector>
 
@@ -34,21 +35,39 @@ class EdgeTable {
       if (a.high != b.high) return a.high < b.high;
       return a.triangle < b.triangle;
     });
+    edge_of_.assign(triangles.size(), {-1, -1, -1});
+    for (std::size_t i = 0; i < uses_.size(); ++i) {
+      const EdgeUse& use = uses_[i];
+      if (i == 0 || use.low != uses_[i - 1].low || use.high != uses_[i - 1].high) first_.push_back(static_cast<int>(i));
+      const Eigen::Vector3i& corner = triangles[static_cast<std::size_t>(use.triangle)];
+      const int from = use.forward ? use.low : use.high;
+      for (std::size_t k = 0; k < 3; ++k)
+        if (corner[static_cast<Eigen::Index>(k)] == from)
+          edge_of_[static_cast<std::size_t>(use.triangle)][k] = static_cast<int>(first_.size()) - 1;
+    }
+    first_.push_back(static_cast<int>(uses_.size()));
   }
 
   /// Calls visit(span of uses) once for every edge.
   template <class Visit>
   void for_each(Visit&& visit) const {
-    for (std::size_t first = 0; first < uses_.size();) {
-      std::size_t last = first;
-      while (last < uses_.size() && uses_[last].low == uses_[first].low && uses_[last].high == uses_[first].high) ++last;
-      visit(std::span<const EdgeUse>(uses_.data() + first, last - first));
-      first = last;
-    }
+    for (std::size_t edge = 0; edge + 1 < first_.size(); ++edge) visit(uses(edge));
+  }
+
+  /// Those that use the edge from corner k of a triangle to the next, itself among them; none for a triangle with a repeated corner.
+  std::span<const EdgeUse> at(std::size_t triangle, std::size_t k) const {
+    const int edge = edge_of_[triangle][k];
+    return edge < 0 ? std::span<const EdgeUse>() : uses(static_cast<std::size_t>(edge));
   }
 
  private:
+  std::span<const EdgeUse> uses(std::size_t edge) const {
+    return {uses_.data() + first_[edge], static_cast<std::size_t>(first_[edge + 1] - first_[edge])};
+  }
+
   std::vector<EdgeUse> uses_;
+  std::vector<int> first_;  // use of every edge, and one past the last
+  std::vector<std::array<int, 3>> edge_of_;
 };
 
 /// Sets that grow together: which root an element belongs to, with paths halved on the way.

@@ -7,8 +7,8 @@
 
 namespace dragcore {
 
-/// Where the pillow effect displaces windward pressure. It follows the flow that the body meets, not the velocity of its own spin: a face
-/// that only turns has no leading edge, and its pressure stays where it is (RelativeFlow::directed).
+/// Where the pillow effect displaces windward pressure: along the flow that the part meets at its centre, not along the velocity of its own
+/// spin. A face that only turns has no leading edge. Were the shift to follow the spin, it would feed it: a falling ball began to turn.
 class PillowShift {
  public:
   PillowShift(const Surface& surface, const RelativeFlow& flow, const Pillow& pillow, bool active)
@@ -24,7 +24,7 @@ class PillowShift {
     if (!(directed > 0.0)) return Vector3d::Zero();
     const Vector3d normal = surface_.normal.row(triangle).matrix(), centroid = surface_.centroid.row(triangle).matrix();
     if (pillow_.form == PillowForm::patch) return directed * patches_[RelativeFlow::patch_of(surface_, triangle)];
-    const Vector3d u = flow_.at(centroid, triangle);
+    const Vector3d& u = flow_.at_centre(part);
     if (!surface_.parts[part].two_sided && !flow_.varies() && u.dot(normal) >= 0.0) return Vector3d::Zero();
     instrument::count(Effect::pillow);
     if (pillow_.form == PillowForm::tilt)
@@ -40,8 +40,9 @@ class PillowShift {
  private:
   Eigen::Vector3d of_patch(std::size_t index) const {
     const Patch& patch = surface_.patches[index];
-    const Eigen::Vector3d u = flow_.at_patch(patch, index);
-    const bool leeward = !surface_.parts[static_cast<std::size_t>(patch.part)].two_sided && !flow_.varies() && u.dot(patch.normal) >= 0.0;
+    const Part& part = surface_.parts[static_cast<std::size_t>(patch.part)];
+    const Eigen::Vector3d& u = flow_.at_centre(static_cast<std::size_t>(patch.part));
+    const bool leeward = !part.two_sided && !flow_.varies() && u.dot(patch.normal) >= 0.0;
     if (leeward) return Eigen::Vector3d::Zero();  // as a whole: nothing to displace
     instrument::count(Effect::pillow);
     return faded(u, patch.normal, [&](double alpha) { return patch_pillow_shift(patch, u, alpha, pillow_.falloff); });

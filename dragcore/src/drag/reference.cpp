@@ -88,21 +88,20 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
         return flow.norm() > 0.0 ? faded_pillow_factor(pillow.factor, std::abs(flow.dot(normal)) / flow.norm()) : 0.0;
       };
       if (model.effects.has(Effect::pillow)) {
-        const Vector3d over = u_in(mean_wind(surface.patch, patch_index), patch.centroid);
         switch (pillow.form) {
           case PillowForm::none:
             break;
           case PillowForm::triangle:
-            shift = triangle_pillow_shift(A, B, C, u(G), alpha(u(G), N), pillow.falloff);
+            shift = triangle_pillow_shift(A, B, C, u_centre, alpha(u_centre, N), pillow.falloff);
             break;
           case PillowForm::eccentricity:
-            shift = eccentricity_pillow_shift(A, B, C, u(G), alpha(u(G), N));
+            shift = eccentricity_pillow_shift(A, B, C, u_centre, alpha(u_centre, N));
             break;
           case PillowForm::patch:
-            shift = patch_pillow_shift(patch, over, alpha(over, patch.normal), pillow.falloff);
+            shift = patch_pillow_shift(patch, u_centre, alpha(u_centre, patch.normal), pillow.falloff);
             break;
           case PillowForm::tilt:
-            shift = tilt_pillow_shift(N, symmetric(surface.second_moment.row(index)), u(G), pillow.factor);
+            shift = tilt_pillow_shift(N, symmetric(surface.second_moment.row(index)), u_centre, pillow.factor);
             break;
         }
         shift *= directed;

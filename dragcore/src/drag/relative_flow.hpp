@@ -24,15 +24,11 @@ class RelativeFlow {
       gradient_ = !per_triangle_ && !motion.wind_gradient.isZero(0.0);
     }
     if (per_triangle_) {
-      patch_wind_.assign(surface.patches.size(), Eigen::Vector3d::Zero());
       std::vector<Eigen::Vector3d> sum(surface.parts.size(), Eigen::Vector3d::Zero());
       for (Eigen::Index i = 0; i < surface.size(); ++i) {
         instrument::count(Effect::wind_variation);
-        const Eigen::Vector3d share = surface.area[i] * motion.triangle_wind[static_cast<std::size_t>(i)];
-        patch_wind_[patch_of(surface, i)] += share;
-        sum[part_of(surface, i)] += share;
+        sum[part_of(surface, i)] += surface.area[i] * motion.triangle_wind[static_cast<std::size_t>(i)];
       }
-      for (std::size_t p = 0; p < patch_wind_.size(); ++p) patch_wind_[p] /= surface.patches[p].area;
       for (std::size_t p = 0; p < centre_.size(); ++p)
         if (surface.parts[p].area > 0.0) centre_[p] = sum[p] / surface.parts[p].area - motion.velocity;
     }
@@ -60,13 +56,10 @@ class RelativeFlow {
     return static_cast<std::size_t>(surface.patch[static_cast<std::size_t>(triangle)]);
   }
 
-  /// At a point of a triangle, of a patch, and at the centre of a part.
+  /// At a point of a triangle, and at the centre of a part.
   Eigen::Vector3d at(const Eigen::Vector3d& r, Eigen::Index triangle) const {
     return moved(per_triangle_ ? Eigen::Vector3d(motion_.triangle_wind[static_cast<std::size_t>(triangle)] - motion_.velocity) : uniform_,
                  r);
-  }
-  Eigen::Vector3d at_patch(const Patch& patch, std::size_t index) const {
-    return moved(per_triangle_ ? Eigen::Vector3d(patch_wind_[index] - motion_.velocity) : uniform_, patch.centroid);
   }
   const Eigen::Vector3d& at_centre(std::size_t part) const { return centre_[part]; }
   /// A spinning body has no one direction of flow: what depends on it (descriptors, pillow, exposure) fades by this share as the spin takes
@@ -97,7 +90,6 @@ class RelativeFlow {
   Eigen::Vector3d uniform_;
   std::vector<Eigen::Vector3d> centre_;
   std::vector<double> directed_;
-  std::vector<Eigen::Vector3d> patch_wind_;
   double variation_ = 0.0;
 };
 

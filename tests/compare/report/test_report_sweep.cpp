@@ -50,7 +50,7 @@ TEST_CASE("the cube's yaw sweep has side force and yawing moment, and no pose of
     CHECK(yaw.cases[i]->pose.yaw / sample::deg == Approx(7.5 * static_cast<double>(i)));
   }
   // Far beyond any noise: the law by class has half of the side force and hardly any of the yawing moment, and the sweep shows it.
-  const auto by_class = report_of(report.reference.cases, compare::ModelChoice::of_class(dragcore::class_pillow()));
+  const auto by_class = report_of(report.reference.cases, compare::ModelChoice::recommended());
   const auto worst = [&](Channel channel) {
     double largest = 0.0;
     for (const ErrorRow* row : compare::rows_of(by_class.models.front().table, yaw, channel))
