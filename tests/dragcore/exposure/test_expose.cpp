@@ -1,7 +1,7 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
-#include <chrono>
 #include <cmath>
+#include <dragcore/descriptors.hpp>
 #include <dragcore/drag.hpp>
 #include <dragcore/expose.hpp>
 #include <dragcore/shapes.hpp>
@@ -111,7 +111,6 @@ TEST_CASE("cubes that touch or overlap are the box that they make", "[exposure][
   for (const TriangleMesh& mesh : {touching, overlapping, apart_by_a_hair}) {
     const Preparation prepared = expose(prepare(mesh));
     INFO(describe(prepared.report));
-    CHECK(prepared.found(Finding::Kind::joined));
     CHECK(prepared.found(Finding::Kind::hidden));
     const Surface surface(prepared);
     REQUIRE(surface.parts.size() == 1);
@@ -123,6 +122,11 @@ TEST_CASE("cubes that touch or overlap are the box that they make", "[exposure][
     CHECK_THAT(force(surface, Vector3d::UnitY()).y(), WithinRel(121.7, 0.05));
     CHECK_THAT(force(surface, Vector3d::UnitX()).tail<2>().norm(), WithinAbs(0.0, 0.5));  // symmetric but for the points
   }
+  // Triangles of the touching ones that meet to the bit are prepare()'s; the rest takes rays.
+  for (const TriangleMesh& mesh : {overlapping, apart_by_a_hair}) CHECK(expose(prepare(mesh)).found(Finding::Kind::joined));
+  const TriangleMesh shifted = together({box({-1, -.5, -.5}, {0, .5, .5}, 2), box({0, -.5, -.5}, {1, .5, .5}, 3)});
+  CHECK(expose(prepare(shifted)).found(Finding::Kind::joined));
+  CHECK_THAT(exposed(shifted).total_area, WithinRel(10.0, 1e-12));
   // Side by side, wholly covered faces leave whole ones only.
   CHECK(expose(prepare(touching)).wetted.empty());
   CHECK(expose(prepare(overlapping)).found(Finding::Kind::covered));
@@ -142,7 +146,9 @@ TEST_CASE("bodies far apart across the wind feel what they feel alone", "[exposu
   CHECK(both.parts.size() == 2);
   CHECK_FALSE(Preparation(expose(prepare(together({cube, cone})))).found(Finding::Kind::joined));
   const Vector3d sum = force(Surface(cube), Vector3d::UnitX()) + force(Surface(cone), Vector3d::UnitX());
-  CHECK_THAT(force(both, Vector3d::UnitX()).x(), WithinRel(sum.x(), 1e-9));  // every share is 1; only the order of the sum differs
+  CHECK_THAT(force(both, Vector3d::UnitX()).x(), WithinRel(sum.x(), 1e-5));
+  // Every share is 1 in this wind; descriptors are summed over triangles in place of patches.
+  CHECK_THAT(force(both, Vector3d::UnitX()).x(), WithinRel(force(Surface(together({cube, cone})), Vector3d::UnitX()).x(), 1e-9));
 }
 
 TEST_CASE("a cube behind another is in its wind at 0 degrees and not at 90", "[exposure][limit]") {
@@ -161,6 +167,22 @@ TEST_CASE("a cube behind another is in its wind at 0 degrees and not at 90", "[e
   CHECK(fronts == 4);
   CHECK_THAT(force(surface, Vector3d::UnitY()).y(), WithinRel(2.0 * force(Surface(cube), Vector3d::UnitY()).y(), 1e-9));
   CHECK(force(surface, Vector3d::UnitX()).x() < 1.75 * force(Surface(cube), Vector3d::UnitX()).x());
+}
+
+TEST_CASE("a body that comes out of another's lee does so without a jump, and is never blown upwind", "[exposure][limit][regression]") {
+  // The rear recovery of a body of which a sliver met the wind was that of an endless bar: 23 N of 60 within 0.01 degrees.
+  const Surface surface = exposed(tandem);
+  const double alone = force(Surface(cube), Vector3d::UnitX()).x(), straight = force(surface, Vector3d::UnitX()).x();
+  CHECK_THAT(straight, WithinRel(alone, 0.02));  // the rear cube feels friction alone
+  for (const double degrees : {0.01, 0.1, 0.5}) {
+    const double angle = degrees * std::numbers::pi / 180.0;
+    const Vector3d wind(std::cos(angle), std::sin(angle), 0.0);
+    // Over the first degree the windward area grows by 5 % and nothing else changes more: 0.1 N and 10 % per degree.
+    CHECK_THAT(force(surface, wind).dot(wind), WithinAbs(straight, 0.1 + 0.1 * degrees * straight));
+    CHECK(describe(surface, wind, std::size_t{1}).reached < 0.1);
+  }
+  CHECK(describe(surface, Vector3d::UnitX(), std::size_t{1}).reached == 0.0);
+  CHECK(describe(surface, Vector3d::UnitX(), std::size_t{0}).reached == 1.0);
 }
 
 TEST_CASE("a convex body costs no exposure and keeps its force to the bit", "[exposure][invariance]") {
@@ -219,6 +241,8 @@ TEST_CASE("the force on cubes in tandem does not jump with the direction", "[exp
 }
 
 TEST_CASE("the force on cubes in tandem hardly depends on how they lie to the directions", "[exposure][invariance]") {
+  // Straight behind each other the shadow has a kink, a wedge over all neighbouring directions: linear interpolation between corners 8
+  // degrees apart adds up to 4 % of the force where no corner falls on it, and nothing where one does.
   zoo::Random random(7);
   const Surface straight = exposed(tandem);
   for (int k = 0; k < 4; ++k) {
@@ -226,7 +250,7 @@ TEST_CASE("the force on cubes in tandem hardly depends on how they lie to the di
     const Surface turned = exposed(transformed(tandem, R, Vector3d::Zero()));
     for (const Vector3d& wind : {Vector3d(1, 0, 0), Vector3d(0.96, 0.28, 0), Vector3d(0.8, 0, 0.6), Vector3d(0, 1, 0)}) {
       const Vector3d expected = R * force(straight, wind);
-      CHECK((force(turned, R * wind) - expected).norm() < 0.03 * expected.norm());
+      CHECK((force(turned, R * wind) - expected).norm() < 0.05 * expected.norm());
     }
   }
 }
