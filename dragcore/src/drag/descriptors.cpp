@@ -84,8 +84,8 @@ std::vector<Descriptors> describe_parts(const Surface& surface, const std::vecto
       const auto p = static_cast<std::size_t>(surface.part[static_cast<std::size_t>(i)]);
       const Vector3d ab = surface.edge_ab.row(i).matrix(), ac = surface.edge_ac.row(i).matrix();
       const Eigen::Matrix3d own = (ab * ab.transpose() + ac * ac.transpose()) / 18.0 - (ab * ac.transpose() + ac * ab.transpose()) / 36.0;
-      seen[p].add(surface.normal.row(i).matrix(), surface.centroid.row(i).matrix(),
-                  surface.area[i], own, surface.exposure->share(i, samples[p]));
+      seen[p].add(surface.normal.row(i).matrix(), surface.centroid.row(i).matrix(), surface.area[i], own,
+                  surface.exposure->share(i, samples[p]));
     }
   }
   std::vector<Descriptors> found;

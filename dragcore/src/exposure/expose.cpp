@@ -39,8 +39,18 @@ struct Sphere {
 /// An icosahedron with its edges halved this many times. Its first midpoints are the six directions of the axes.
 Sphere icosphere(int halvings) {
   const double g = std::numbers::phi;
-  Sphere sphere{.directions = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g}, {0, -1, -g}, {0, 1, -g},
-                               {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}}};
+  Sphere sphere{.directions = {{-1, g, 0},
+                               {1, g, 0},
+                               {-1, -g, 0},
+                               {1, -g, 0},
+                               {0, -1, g},
+                               {0, 1, g},
+                               {0, -1, -g},
+                               {0, 1, -g},
+                               {g, 0, -1},
+                               {g, 0, 1},
+                               {-g, 0, -1},
+                               {-g, 0, 1}}};
   for (Vector3d& corner : sphere.directions) corner.normalize();
   // Its faces are the triples of corners that are all neighbours of each other.
   const auto adjacent = [&](int a, int b) {
@@ -84,10 +94,10 @@ class Scene {
     device_ = rtcNewDevice(("threads=" + std::to_string(threads)).c_str());
     if (!device_) throw std::runtime_error("expose: Embree does not start: error " + std::to_string(rtcGetDeviceError(nullptr)));
     RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* corner = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
-                                                               mesh.vertices.size()));
-    auto* index = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned),
-                                                                 mesh.triangles.size()));
+    auto* corner = static_cast<float*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.size()));
+    auto* index = static_cast<unsigned*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), mesh.triangles.size()));
     if (corner && index) {
       for (const Vector3d& vertex : mesh.vertices) {
         const Vector3d place = scaled(vertex);
@@ -419,9 +429,7 @@ class Exposer {
     report(Finding::Kind::joined, shells, area, "shell", " touching or overlapping: taken as one body where they do");
   }
 
-  double area_of(std::size_t i) const {
-    return Facet(scene_, prepared_.mesh, i).area / (scene_.scale() * scene_.scale());
-  }
+  double area_of(std::size_t i) const { return Facet(scene_, prepared_.mesh, i).area / (scene_.scale() * scene_.scale()); }
 
   void leave_out_hidden() {
     const std::size_t count = pieces_.size();
@@ -506,7 +514,8 @@ int all_threads() { return std::max(1, static_cast<int>(std::thread::hardware_co
 
 Preparation expose(Preparation prepared, const ExposeOptions& options) {
   if (options.directions != 0 && options.directions != 42 && options.directions != 162 && options.directions != 642)
-    throw std::invalid_argument("expose: directions = " + std::to_string(options.directions) + "; needed is 42, 162, 642, or 0 for as many as fit");
+    throw std::invalid_argument("expose: directions = " + std::to_string(options.directions) +
+                                "; needed is 42, 162, 642, or 0 for as many as fit");
   if (!(options.rays > 0.0)) throw std::invalid_argument("expose: rays = " + std::to_string(options.rays) + "; needed is more than 0");
   if (options.threads < 0)
     throw std::invalid_argument("expose: threads = " + std::to_string(options.threads) + "; needed is at least 0, for all cores");

@@ -187,7 +187,6 @@ TEST_CASE("a body that comes out of another's lee does so without a jump, and is
 
 TEST_CASE("a convex body costs no exposure and keeps its force to the bit", "[exposure][invariance]") {
   for (const Shape& shape : zoo::shapes()) {
-    if (std::holds_alternative<Teardrop>(shape)) continue;  // its triangles are not convex to the last thousandth everywhere
     const TriangleMesh mesh = triangulate(shape, 6);
     const Preparation before = prepare(mesh), after = expose(before);
     INFO(kind(shape));
@@ -197,6 +196,21 @@ TEST_CASE("a convex body costs no exposure and keeps its force to the bit", "[ex
     CHECK(after.report.size() == before.report.size());
     const Vector3d direction = Vector3d(0.8, 0.36, 0.48);
     CHECK(force(Surface(after), direction) == force(Surface(before), direction));
+  }
+}
+
+TEST_CASE("a dented ball is not convex, however fine its triangles", "[exposure][regression]") {
+  // Over a short edge no neighbour rises by a thousandth of the body: fine meshes were all convex, and no ray was cast.
+  for (const int divisions : {8, 60}) {
+    TriangleMesh mesh = triangulate(Sphere{1.0}, divisions);
+    CHECK(Surface(mesh).convex);
+    for (Vector3d& v : mesh.vertices) v *= 1.0 - 0.5 * std::exp(-10.0 * (v / v.norm() - Vector3d::UnitX()).squaredNorm());
+    const Surface dented = exposed(mesh);
+    CHECK_FALSE(dented.convex);
+    REQUIRE(dented.exposure);
+    const Vector3d towards = Vector3d(0.5, 0.8, 0.33).normalized();  // over the rim
+    CHECK_THAT(reached_area(dented, towards),
+               WithinRel(silhouette_area(mesh, towards), 0.03));  // 42 directions on the fine mesh, 32 degrees apart
   }
 }
 
@@ -275,7 +289,8 @@ TEST_CASE("the size of a mesh does not matter to what is reached", "[exposure][i
 }
 
 TEST_CASE("the number of threads does not change a byte", "[exposure][invariance]") {
-  for (const TriangleMesh& mesh : {bracket(), together({box({-1, -.5, -.5}, {.2, .5, .5}, 8), box({-.2, -.5, -.5}, {1, .5, .5}, 7), moved(cube, {3, 0, 0})})}) {
+  for (const TriangleMesh& mesh :
+       {bracket(), together({box({-1, -.5, -.5}, {.2, .5, .5}, 8), box({-.2, -.5, -.5}, {1, .5, .5}, 7), moved(cube, {3, 0, 0})})}) {
     const Preparation one = expose(prepare(mesh), {.threads = 1}), two = expose(prepare(mesh), {.threads = 2});
     REQUIRE(one.exposure);
     REQUIRE(two.exposure);
@@ -340,7 +355,7 @@ TEST_CASE("options out of range and empty meshes", "[exposure][hard]") {
     REQUIRE(prepared.exposure);
     CHECK(prepared.exposure->directions.size() == static_cast<std::size_t>(directions));
     CHECK(prepared.exposure->cells.size() == static_cast<std::size_t>(2 * directions - 4));  // Euler
-    for (int axis = 0; axis < 3; ++axis)  // a wind along an axis needs no interpolation
+    for (int axis = 0; axis < 3; ++axis)                                                     // a wind along an axis needs no interpolation
       CHECK_THAT(prepared.exposure->towards(Vector3d::Unit(axis)).weight.maxCoeff(), WithinAbs(1.0, 1e-12));
   }
 }
