@@ -12,6 +12,7 @@ struct Descriptors {
   double sharpness =
       0.0;              ///< k in [0, 1], k^4 = sum A c^5 / sum A c: near the largest c of a face of weight. 1 for a face normal to the flow
   double aspect = 1.0;  ///< AR >= 1: ratio of the silhouette's radii of gyration, long over short
+  double reached = 1.0;  ///< A_f over the same sum without shadows: 0 in the lee of something else. What recovers behind scales with it
 };
 
 /// @param direction  of the air's velocity relative to the body, body frame; its length does not matter

@@ -29,7 +29,8 @@ class BodyLaw {
           directed * law.aspect_gain * body.aspect * body.aspect / (body.aspect * body.aspect + law.aspect_scale * law.aspect_scale);
     if (active.has<Effect::recovery>()) {
       instrument::count(Effect::recovery);
-      push_ = directed * law.base_suction * law.recovery * body.depth / (body.depth + law.recovery_depth);
+      // Suction that no wind made does not recover: a body in the lee of another must not be blown upwind.
+      push_ = directed * body.reached * law.base_suction * law.recovery * body.depth / (body.depth + law.recovery_depth);
     }
     if (active.has<Effect::shelter>()) {
       instrument::count(Effect::shelter);

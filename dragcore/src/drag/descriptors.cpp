@@ -26,11 +26,13 @@ class Silhouette {
     project_.row(1) = along_.cross(Vector3d(project_.row(0).transpose())).transpose();
   }
 
-  void add(const Vector3d& normal, const Vector3d& centroid, double area, const Eigen::Matrix3d& second_moment) {
+  /// @param reached  share of the area that the flow reaches
+  void add(const Vector3d& normal, const Vector3d& centroid, double area, const Eigen::Matrix3d& second_moment, double reached = 1.0) {
     double c = -along_.dot(normal);
     if (part_.two_sided) c = std::abs(c);
     if (!(c > 0.0)) return;
-    const double weight = area * c;
+    const double weight = reached * area * c;
+    whole_ += area * c;
     const Vector2d arm = project_ * (centroid - part_.centre);
     frontal_ += weight;
     sharp_ += weight * (c * c) * (c * c);
@@ -40,8 +42,12 @@ class Silhouette {
 
   Descriptors result() const {
     Descriptors result;
-    if (!(frontal_ > 0.0)) return result;
+    if (!(frontal_ > 0.0)) {
+      if (whole_ > 0.0) result.reached = 0.0;
+      return result;
+    }
     result.frontal_area = frontal_;
+    result.reached = frontal_ / whole_;
     // Finite even where a body a hair thick is seen edge-on; a sheet has none there either.
     if (part_.volume > 0.0) result.depth = std::min(1e100, part_.volume / (frontal_ * std::sqrt(frontal_)));
     result.sharpness = std::min(1.0, std::sqrt(std::sqrt(sharp_ / frontal_)));
@@ -58,7 +64,7 @@ class Silhouette {
   const Part& part_;
   Vector3d along_ = Vector3d::Zero();
   Eigen::Matrix<double, 2, 3> project_ = Eigen::Matrix<double, 2, 3>::Zero();
-  double frontal_ = 0.0, sharp_ = 0.0;
+  double frontal_ = 0.0, whole_ = 0.0, sharp_ = 0.0;
   Vector2d first_ = Vector2d::Zero();
   Matrix2d second_ = Matrix2d::Zero();  // about the part's centre
 };
@@ -78,8 +84,8 @@ std::vector<Descriptors> describe_parts(const Surface& surface, const std::vecto
       const auto p = static_cast<std::size_t>(surface.part[static_cast<std::size_t>(i)]);
       const Vector3d ab = surface.edge_ab.row(i).matrix(), ac = surface.edge_ac.row(i).matrix();
       const Eigen::Matrix3d own = (ab * ab.transpose() + ac * ac.transpose()) / 18.0 - (ab * ac.transpose() + ac * ab.transpose()) / 36.0;
-      seen[p].add(surface.normal.row(i).matrix(), surface.centroid.row(i).matrix(),
-                  surface.area[i] * surface.exposure->share(i, samples[p]), own);
+      seen[p].add(surface.normal.row(i).matrix(), surface.centroid.row(i).matrix(), surface.area[i], own,
+                  surface.exposure->share(i, samples[p]));
     }
   }
   std::vector<Descriptors> found;
@@ -106,7 +112,8 @@ double curvature_along(const Surface& surface, Eigen::Index triangle, const Vect
   const double turning = side * (k[0] * t.x() * t.x() + k[3] * t.y() * t.y() + k[5] * t.z() * t.z() + 2.0 * crossed);
   if (!(turning > 0.0) || !(size > 0.0)) return 0.0;
   // In units of the body: 2 for a ball. Half the indicator's rise is at a third of a ball's curvature.
-  const double x = turning / size * std::sqrt(surface.total_area / 3.14159265358979323846);
+  const Part& body = surface.parts[static_cast<std::size_t>(surface.part[static_cast<std::size_t>(triangle)])];
+  const double x = turning / size * std::sqrt(body.area / 3.14159265358979323846);
   return x * x / (x * x + 0.45);
 }
 

@@ -67,7 +67,7 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
     const double directed = travel > 0.0 ? travel / (travel + turning) : 0.0;
     const double aspect2 = body.aspect * body.aspect;
     const double h = 1.0 + directed * law.aspect_gain * aspect2 / (aspect2 + law.aspect_scale * law.aspect_scale);
-    const double rear = directed * law.recovery * body.depth / (body.depth + law.recovery_depth);
+    const double rear = directed * body.reached * law.recovery * body.depth / (body.depth + law.recovery_depth);
     const double k = body.sharpness;
 
     for (Eigen::Index index = 0; index < surface.size(); ++index) {
