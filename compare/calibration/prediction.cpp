@@ -62,13 +62,28 @@ dragcore::Model ModelChoice::on(const dragcore::Surface& surface) const {
   return chosen;
 }
 
+namespace {
+
+dragcore::Motion motion_of(const case_record::CaseRecord& record) {
+  const Eigen::Matrix3d to_body = record.pose.rotation().transpose();
+  dragcore::Motion motion;
+  if (!record.still_air) motion.wind = to_body * Eigen::Vector3d(record.speed, 0.0, 0.0);
+  motion.angular_velocity = to_body * record.angular_velocity;
+  return motion;
+}
+
+}  // namespace
+
+dragcore::Validity validity(const case_record::CaseRecord& record) {
+  const dragcore::Surface& surface = prepared(record.shape, default_divisions(record.shape));
+  return dragcore::validity(surface, motion_of(record), {.density = record.density}, dragcore::model_for(surface),
+                            record.density * record.viscosity);
+}
+
 dragcore::WrenchByTerm predict(const case_record::CaseRecord& record, const ModelChoice& choice, int divisions) {
   const dragcore::Surface& surface = prepared(record.shape, divisions > 0 ? divisions : default_divisions(record.shape));
   const Eigen::Matrix3d to_wind = record.pose.rotation();
-  dragcore::Motion motion;
-  if (!record.still_air) motion.wind = to_wind.transpose() * Eigen::Vector3d(record.speed, 0.0, 0.0);
-  motion.angular_velocity = to_wind.transpose() * record.angular_velocity;
-  dragcore::WrenchByTerm wrench = dragcore::wrench(surface, motion, {.density = record.density}, choice.on(surface));
+  dragcore::WrenchByTerm wrench = dragcore::wrench(surface, motion_of(record), {.density = record.density}, choice.on(surface));
   for (dragcore::Wrench& term : wrench.terms) term = {to_wind * term.force, to_wind * term.torque};
   return wrench;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dragcore/drag.hpp>
+#include <dragcore/validity.hpp>
 #include <functional>
 #include <string>
 
@@ -39,6 +40,9 @@ struct NamedModel {
 /// @param divisions  of the triangulation; 0 takes default_divisions()
 /// @return           force [N] and moment about the body's centroid [N m], wind frame, by term
 dragcore::WrenchByTerm predict(const case_record::CaseRecord& record, const ModelChoice& choice, int divisions = 0);
+
+/// What is known of the laws by class at the pose and Reynolds number of a case.
+dragcore::Validity validity(const case_record::CaseRecord& record);
 
 /// Any model: what a comparison asks. predict() bound to a drag law is one, a table of somebody else's numbers another.
 using Predictor = std::function<dragcore::Wrench(const case_record::CaseRecord&)>;

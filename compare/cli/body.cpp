@@ -6,7 +6,9 @@
 #include <Eigen/Geometry>
 #include <charconv>
 #include <cmath>
+#include <dragcore/expose.hpp>
 #include <dragcore/mesh_file.hpp>
+#include <dragcore/validity.hpp>
 #include <map>
 
 #include "compare/cli/commands.hpp"
@@ -45,8 +47,14 @@ Body load_body(const BodyOptions& options) {
   dragcore::TriangleMesh mesh = dragcore::read_mesh(options.file, options.unit_m());
   const dragcore::MeshProperties properties = dragcore::inspect(mesh);
   try {
-    dragcore::Surface surface(mesh, options.sheet ? dragcore::Surface::Sides::two : dragcore::Surface::Sides::automatic);
-    return {std::move(mesh), std::move(surface), properties, {}, {}};
+    if (options.sheet) {
+      dragcore::Surface surface(mesh, dragcore::Surface::Sides::two);
+      return {std::move(mesh), std::move(surface), properties, {}, {}};
+    }
+    dragcore::Preparation prepared = dragcore::expose(dragcore::prepare(mesh));
+    Body body{.mesh = prepared.mesh, .surface = dragcore::Surface(prepared), .properties = properties};
+    for (const dragcore::Finding& finding : prepared.report) body.findings.push_back(to_string(finding.kind) + ": " + finding.text);
+    return body;
   } catch (const std::invalid_argument& fault) {
     const Eigen::Vector3d size = extents_of(mesh);
     throw EnvironmentError(fmt::format("{}: {}\nThe file holds {}; its extents are {:.4g} x {:.4g} x {:.4g} m.", options.file, fault.what(),
@@ -62,6 +70,9 @@ std::string unit_question(const BodyOptions& options, const Body& body) {
   return fmt::format("The largest extent is {:.4g} m. Is the file in millimetres? If so, add --unit mm; if not, --unit m.", largest);
 }
 
-std::vector<std::string> validity(const Body&, const dragcore::Motion&, const dragcore::Medium&, const dragcore::Model&) { return {}; }
+std::vector<std::string> validity(const Body& body, const dragcore::Motion& motion, const dragcore::Medium& medium,
+                                  const dragcore::Model& model) {
+  return dragcore::validity(body.surface, motion, medium, model).reasons;
+}
 
 }  // namespace cli

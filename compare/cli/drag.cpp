@@ -17,7 +17,7 @@
 #include "compare/reference/coefficients.hpp"
 #include "compare/tables/error_table.hpp"
 #include "compare/tables/text_grid.hpp"
-#include "dragcore/src/support/unknown_word.hpp"
+#include <dragcore/unknown_word.hpp>
 
 namespace cli {
 namespace {

@@ -3,7 +3,7 @@
 #include <iostream>
 
 #include "compare/cli/commands.hpp"
-#include "dragcore/src/support/unknown_word.hpp"
+#include <dragcore/unknown_word.hpp>
 
 namespace {
 

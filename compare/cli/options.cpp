@@ -12,7 +12,7 @@
 #include "compare/cli/commands.hpp"
 #include "compare/reference/uncertainty.hpp"
 #include "dragcore/law_file.hpp"
-#include "dragcore/src/support/unknown_word.hpp"
+#include <dragcore/unknown_word.hpp>
 
 namespace cli {
 

@@ -197,6 +197,17 @@ ErrorSummary summarise(const std::string& group, const std::vector<const ErrorRo
   return summary;
 }
 
+namespace {
+
+std::string doubts_of(const dragcore::Validity& valid) {
+  std::string words;
+  for (unsigned bit = 1; bit <= valid.doubts; bit <<= 1)
+    if (valid.doubts & bit) words += (words.empty() ? "" : "; ") + to_string(static_cast<dragcore::Doubt>(bit));
+  return words;
+}
+
+}  // namespace
+
 ErrorTable compare_with(const std::vector<CaseRecord>& records, const Predictor& model, const std::string& model_name,
                         const std::vector<std::string>& missing, const std::vector<GroupBy>& by, const CaseFilter& shown) {
   const auto is_shown = [&](const std::string& case_name) { return !shown || shown(case_name); };
@@ -221,6 +232,16 @@ ErrorTable compare_with(const std::vector<CaseRecord>& records, const Predictor&
     const dragcore::Wrench predicted = model(record);
     const Coefficients ours = coefficients(record, predicted.force, predicted.torque);
     const Coefficients theirs = coefficients(record);
+    const dragcore::Validity valid = validity(record);
+    row.doubts = doubts_of(valid);
+    if (usable && is_shown(record.name)) {
+      const Eigen::Vector3d found = theirs.values.head<3>();
+      const double relative = (ours.values.head<3>() - found).norm() / found.norm();
+      table.doubts.large += relative > 0.25;
+      table.doubts.doubted_large += relative > 0.25 && !valid.in_range();
+      table.doubts.small += relative < 0.1;
+      table.doubts.doubted_small += relative < 0.1 && !valid.in_range();
+    }
     row.discretisation_assessed = family.uncertainty.discretisation_assessed;
     const std::optional<Coefficients> other =
         chosen.other_branch ? std::optional(coefficients(*chosen.alternatives[*chosen.other_branch].record)) : std::nullopt;

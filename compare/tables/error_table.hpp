@@ -42,6 +42,13 @@ struct ErrorRow {
   std::optional<double> relative_error;  ///< error / |cfd|; empty where |cfd| < 2u or < 5 % of the largest of its family and channel
   std::optional<Verdict> verdict;
   std::optional<PublishedValue> published;  ///< on the reference area of docs/conventions.md
+  std::string doubts;                       ///< why the laws by class may be wrong here (dragcore::Validity): "low Reynolds number; smooth body"
+};
+
+/// How often doubts are raised where they should be, and where not: cases by the relative error of the force vector.
+struct DoubtCount {
+  int large = 0, doubted_large = 0;  ///< beyond 25 %
+  int small = 0, doubted_small = 0;  ///< below 10 %
 };
 
 /// Errors of a group of rows of one channel. Bias with the 95 % interval of Student's t; worst: largest |error|.
@@ -69,6 +76,7 @@ struct ErrorTable {
   std::vector<ErrorSummary> summaries;
   std::vector<PublishedCheck> published;  ///< the CFD chain against published values
   std::vector<std::string> notes;         ///< how u_disc was found, case by case, and which of several families stands for a pose
+  DoubtCount doubts;
   int compared = 0;                       ///< cases with both sides
 };
 

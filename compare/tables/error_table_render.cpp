@@ -43,7 +43,7 @@ bool held_out(const std::vector<const ErrorRow*>& rows) {
 TextGrid rows_grid(const std::vector<const ErrorRow*>& rows) {
   const bool all_held_out = held_out(rows);  // then the heading says so
   TextGrid grid;
-  grid.add({"orientation", "", "model", "CFD", "u", "error", "relative", "verdict", "published", "CFD to it"});
+  grid.add({"orientation", "", "model", "CFD", "u", "error", "relative", "verdict", "published", "CFD to it", "doubts"});
   std::string previous;
   for (const ErrorRow* row : rows) {
     const std::string where = row->status == "missing"
@@ -59,7 +59,7 @@ TextGrid rows_grid(const std::vector<const ErrorRow*>& rows) {
     if (row->published && row->cfd) to_published = percent((*row->cfd - row->published->value) / row->published->value);
     grid.add({where == previous ? "" : where, row->status == "missing" ? "" : symbol(row->channel), number_text(row->model),
               number_text(row->cfd), u, number_text(row->error, "{:+.3f}"), percent(row->relative_error), verdict(*row),
-              row->published ? number_text(row->published->value) : "", to_published},
+              row->published ? number_text(row->published->value) : "", to_published, where == previous ? "" : row->doubts},
              style);
     previous = where;
   }
@@ -117,7 +117,7 @@ std::string summary_text(const std::vector<ErrorSummary>& summaries, bool colour
 std::string csv(const ErrorTable& table) {
   std::string text =
       "case,shape,incidence_deg,yaw_deg,roll_deg,reynolds,flow_model,mesh_level,held_out,status,channel,model,cfd,u,"
-      "u_numerical,discretisation_assessed,other_branch,error,relative_error,verdict,published,citation,reason\n";
+      "u_numerical,discretisation_assessed,other_branch,error,relative_error,verdict,published,citation,reason,doubts\n";
   for (const ErrorRow& row : table.rows) {
     const auto full = [](const std::optional<double>& value) { return number_text(value, "{:.9g}"); };
     const std::vector<std::string> cells = {row.case_name,
@@ -142,7 +142,8 @@ std::string csv(const ErrorTable& table) {
                                             row.verdict ? verdict(row) : "",
                                             row.published ? full(row.published->value) : "",
                                             row.published ? row.published->citation : "",
-                                            row.reason};
+                                            row.reason,
+                                            row.doubts};
     text += csv_line(cells);
   }
   return text;
@@ -160,6 +161,8 @@ Format format_from(const std::string& word) {
 
 json to_json(const ErrorTable& table) {
   json result = {{"model", table.model_name}, {"compared", table.compared}, {"notes", table.notes}};
+  result["doubts"] = {{"beyond_25_percent", {{"cases", table.doubts.large}, {"doubted", table.doubts.doubted_large}}},
+                      {"within_10_percent", {{"cases", table.doubts.small}, {"doubted", table.doubts.doubted_small}}}};
   result["rows"] = result["totals"] = result["summaries"] = json::array();
   for (const ErrorRow& row : table.rows)
     result["rows"].push_back({{"case", row.case_name},
@@ -174,6 +177,7 @@ json to_json(const ErrorTable& table) {
                               {"held_out", row.held_out},
                               {"status", row.status},
                               {"reason", row.reason},
+                              {"doubts", row.doubts},
                               {"channel", row.status == "missing" ? json(nullptr) : json(symbol(row.channel))},
                               {"model", optional_json(row.model)},
                               {"cfd", optional_json(row.cfd)},
@@ -217,6 +221,10 @@ std::string render(const ErrorTable& table, Format format, bool colour) {
       "u*: without the part of the mesh, which one mesh alone does not show. resolved: |error| > 2u.\n\n";
   if (!table.totals.empty())
     text += block(fmt::format("{}: {} cases compared", table.model_name, table.compared), totals_grid(table.totals));
+  if (table.doubts.large + table.doubts.small > 0)
+    text += fmt::format(
+        "Doubts (dragcore::Validity) are raised for {} of {} cases whose force is off by more than 25 %, and for {} of {} within 10 %.\n\n",
+        table.doubts.doubted_large, table.doubts.large, table.doubts.doubted_small, table.doubts.small);
   const std::string by_group = "Errors by group; bias with its 95 % interval";
   text += terminal
               ? (colour ? fmt::format(fmt::emphasis::bold, "{}", by_group) : by_group) + "\n" + summary_text(table.summaries, colour) + "\n"

@@ -8,12 +8,17 @@
 
 namespace dragcore {
 
-/// Extents of a set of triangles along the principal axes of their area, in ascending order [m].
+/// The box along the principal axes of area that holds a set of triangles: extents in ascending order [m], and their directions as columns.
+struct PrincipalBox {
+  Eigen::Vector3d extents = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+};
+
 /// @param corners  of a triangle by its index, as std::array<Eigen::Vector3d, 3>
 template <class CornersOf>
-Eigen::Vector3d principal_extents(Eigen::Index count, CornersOf&& corners) {
+PrincipalBox principal_box(Eigen::Index count, CornersOf&& corners) {
   using Eigen::Vector3d;
-  if (count == 0) return Vector3d::Zero();
+  if (count == 0) return {};
   const Vector3d origin = corners(0)[0];
   double total = 0.0;
   Vector3d first = Vector3d::Zero();
@@ -28,7 +33,7 @@ Eigen::Vector3d principal_extents(Eigen::Index count, CornersOf&& corners) {
       second += area / 3.0 * middle * middle.transpose();
     }
   }
-  if (!(total > 0.0)) return Vector3d::Zero();
+  if (!(total > 0.0)) return {};
   first /= total;
   const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second / total - first * first.transpose()).eigenvectors();
   Vector3d low = axes.transpose() * (corners(0)[0] - origin), high = low;
@@ -38,9 +43,15 @@ Eigen::Vector3d principal_extents(Eigen::Index count, CornersOf&& corners) {
       low = low.cwiseMin(place);
       high = high.cwiseMax(place);
     }
-  Vector3d extents = high - low;
-  std::sort(extents.begin(), extents.end());
-  return extents;
+  const Vector3d size = high - low;
+  std::array<int, 3> order{0, 1, 2};
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return size[a] < size[b]; });
+  PrincipalBox box;
+  for (int k = 0; k < 3; ++k) {
+    box.extents[k] = size[order[static_cast<std::size_t>(k)]];
+    box.axes.col(k) = axes.col(order[static_cast<std::size_t>(k)]);
+  }
+  return box;
 }
 
 /// Mean thickness 2 V/A over the middle extent, below which a body is a sheet to the air: a twentieth for the plates and discs that the

@@ -439,8 +439,9 @@ class Preparer {
     all.insert(all.end(), shell.lids.begin(), shell.lids.end());
     shell.volume = tetrahedra(all, origin);
     const bool was_closed = holes.empty();
-    const Vector3d extents =
-        principal_extents(static_cast<Eigen::Index>(all.size()), [&](Eigen::Index i) { return corners(all[static_cast<std::size_t>(i)]); });
+    const Vector3d extents = principal_box(static_cast<Eigen::Index>(all.size()), [&](Eigen::Index i) {
+                               return corners(all[static_cast<std::size_t>(i)]);
+                             }).extents;
     const bool thin = 2.0 * std::abs(shell.volume) < sheet_thickness * extents[1] * (shell.area + lid_area);
     bool through = false;
     if (!was_closed && !thin) through = one_can_look_through(shell, own, holes.size());

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "support/ellipsoid_integrals.hpp"
-#include "support/unknown_word.hpp"
+#include <dragcore/unknown_word.hpp>
 
 namespace dragcore {
 

@@ -75,12 +75,12 @@ std::vector<Segment> straightened(const std::vector<std::pair<int, int>>& bounda
 /// eight facets around, of the triangulation.
 BodyClass classify(const Surface& surface, const Part& p, const std::vector<Eigen::Index>& members) {
   if (!(p.volume > 0.0) || members.empty()) return BodyClass::sheet;
-  const Vector3d extents = principal_extents(static_cast<Eigen::Index>(members.size()), [&](Eigen::Index k) -> std::array<Vector3d, 3> {
-    const Eigen::Index i = members[static_cast<std::size_t>(k)];
-    const Vector3d ab = surface.edge_ab.row(i).matrix(), ac = surface.edge_ac.row(i).matrix();
-    const Vector3d a = surface.centroid.row(i).matrix().transpose() - (ab + ac) / 3.0;
-    return {a, a + ab, a + ac};
-  });
+  const Vector3d extents = principal_box(static_cast<Eigen::Index>(members.size()), [&](Eigen::Index k) -> std::array<Vector3d, 3> {
+                             const Eigen::Index i = members[static_cast<std::size_t>(k)];
+                             const Vector3d ab = surface.edge_ab.row(i).matrix(), ac = surface.edge_ac.row(i).matrix();
+                             const Vector3d a = surface.centroid.row(i).matrix().transpose() - (ab + ac) / 3.0;
+                             return {a, a + ab, a + ac};
+                           }).extents;
   if (2.0 * p.volume / p.area < sheet_thickness * extents[1]) return BodyClass::sheet;
   // The smaller of the two principal curvatures, in units of the body: 2 on a ball, 0 on flat faces,
   // cylinders and cones. Of a teardrop 0.8 of the area passes, of a cone 0.02.

@@ -2,7 +2,7 @@
 #include <stdexcept>
 
 #include "support/require.hpp"
-#include "support/unknown_word.hpp"
+#include <dragcore/unknown_word.hpp>
 
 namespace dragcore {
 

@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "support/unknown_word.hpp"
+#include <dragcore/unknown_word.hpp>
 
 using dragcore::edit_distance;
 using dragcore::nearest_word;
