@@ -22,7 +22,9 @@ struct ExposeOptions {
 ///   3. Closed bodies that touch or overlap become one part; those that merely stand in each other's wind do not.
 ///   4. Of what is left, the share that each direction reaches becomes `exposure`; null where all of it is reached from everywhere.
 /// A convex body costs no ray, and what was exposed before is returned as it is.
-/// @accuracy  shares of a coarse mesh to about 1 %; gaps and steps below 1e-4 of a triangle or 1e-5 of the mesh's size are not seen
+/// @accuracy  shares of a coarse mesh to about 1 % in the directions looked at; between them up to 4 % of the force where a shadow has just
+///            begun (two cubes in tandem, 642 directions). Walls of narrow gaps count as hidden, so that their bodies lose volume. Gaps and
+///            steps below 1e-4 of a triangle or 1e-5 of the mesh's size are not seen
 /// @cost      on two cores: below 1 s for 100,000 triangles, below 15 s for a million
 /// @throws std::invalid_argument  for options out of range; std::runtime_error when Embree fails
 Preparation expose(Preparation prepared, const ExposeOptions& options = {});

@@ -140,6 +140,27 @@ TEST_CASE("bodies that pass through each other are one, and their volume is that
   CHECK_THAT(surface.total_area, WithinRel(6.0 - 2 * 0.16 + 2 * 0.16 + 2 * 4 * 0.4 * 0.5, 0.02));
 }
 
+TEST_CASE("a box on a larger one covers what it stands on, and no more", "[exposure][analytic]") {
+  for (const int divisions : {1, 4}) {
+    const Surface surface =
+        exposed(together({box({-.5, -.5, -.5}, {.5, .5, .5}, divisions), box({-.1, -.2, .5}, {.3, .1, .8}, divisions)}));
+    CHECK(surface.parts.size() == 1);
+    CHECK_THAT(surface.total_area, WithinRel(6.0 + 2 * 0.3 * (0.4 + 0.3), 0.005));  // 0.12 m^2 of 6 known to the 1 or 2 % of the points
+    CHECK_THAT(surface.volume, WithinRel(1.0 + 0.4 * 0.3 * 0.3, 0.005));
+  }
+}
+
+TEST_CASE("a crate of six boards is the box that it makes", "[exposure][analytic]") {
+  const Surface crate =
+      exposed(together({box({-.5, -.5, -.5}, {.5, .5, -.4}), box({-.5, -.5, .4}, {.5, .5, .5}), box({-.5, -.5, -.4}, {-.4, .5, .4}),
+                        box({.4, -.5, -.4}, {.5, .5, .4}), box({-.4, -.5, -.4}, {.4, -.4, .4}), box({-.4, .4, -.4}, {.4, .5, .4})}));
+  CHECK(crate.parts.size() == 1);
+  CHECK(crate.exposure == nullptr);
+  CHECK_THAT(crate.total_area, WithinRel(6.0, 1e-9));  // no triangle is covered in part
+  CHECK_THAT(crate.volume, WithinRel(1.0, 1e-9));      // what is sealed in belongs to it
+  CHECK_THAT(force(crate, Vector3d::UnitX()).x(), WithinRel(force(Surface(cube), Vector3d::UnitX()).x(), 0.01));  // regions end at boards
+}
+
 TEST_CASE("bodies far apart across the wind feel what they feel alone", "[exposure][invariance]") {
   const TriangleMesh cone = moved(triangulate(Cone{1.0 / std::numbers::sqrt3}, 8), {0, 3, 0});
   const Surface both = exposed(together({cube, cone}));
