@@ -49,11 +49,17 @@ Body load_body(const BodyOptions& options) {
   try {
     if (options.sheet) {
       dragcore::Surface surface(mesh, dragcore::Surface::Sides::two);
-      return {std::move(mesh), std::move(surface), properties, {}, {}};
+      return {.mesh = std::move(mesh), .surface = std::move(surface), .properties = properties};
     }
-    dragcore::Preparation prepared = dragcore::expose(dragcore::prepare(mesh));
+    const dragcore::Preparation as_closed = dragcore::prepare(mesh);
+    const dragcore::Preparation prepared = dragcore::expose(as_closed);
     Body body{.mesh = prepared.mesh, .surface = dragcore::Surface(prepared), .properties = properties};
     for (const dragcore::Finding& finding : prepared.report) body.findings.push_back(to_string(finding.kind) + ": " + finding.text);
+    for (const dragcore::WindwardRatio& view : dragcore::windward_over_silhouette(as_closed)) {
+      if (view.silhouette > 0.0) body.windward_ratio = std::max(body.windward_ratio, view.summed / view.silhouette);
+      for (int axis = 0; axis < 3; ++axis)
+        if (view.direction[axis] > 0.5) body.silhouette[static_cast<std::size_t>(axis)] = view.silhouette;
+    }
     return body;
   } catch (const std::invalid_argument& fault) {
     const Eigen::Vector3d size = extents_of(mesh);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <dragcore/drag.hpp>
 #include <filesystem>
 #include <string>
@@ -19,6 +20,9 @@ struct Body {
   dragcore::MeshProperties properties;  ///< of `mesh`
   std::vector<std::string> notes;       ///< what the reader of the file has to say, a sentence each
   std::vector<std::string> findings;    ///< what was found and changed between file and surface, a sentence each
+  /// Windward area summed over the triangles, before exposure, over that of the silhouette: the largest of six directions; 1 of a convex body.
+  double windward_ratio = 1.0;
+  std::array<double, 3> silhouette{};  ///< area seen along x, y and z [m^2]
 
   Eigen::Vector3d extents() const;  ///< edges of the box along the axes that holds the mesh [m]
 };

@@ -30,7 +30,12 @@ nlohmann::json to_json(const BodyOptions& options, const Body& body, const dragc
                          {"area_m2", p.area},
                          {"volume_m3", p.encloses ? nlohmann::json(p.volume) : nlohmann::json(nullptr)},
                          {"hole_area_m2", p.hole_area},
-                         {"planar_patches", body.surface.patches.size()},
+                         {"parts", body.surface.parts.size()},
+                         {"convex", body.surface.convex},
+                         {"windward_over_silhouette", body.windward_ratio},
+                         {"silhouette_m2", body.silhouette},
+                         {"forces_volume_m3", body.surface.volume},
+                         {"forces_area_m2", body.surface.total_area},
                          {"notes", body.notes},
                          {"findings", body.findings}};
   const std::string question = unit_question(options, body);
@@ -44,8 +49,15 @@ void print(const BodyOptions& options, const Body& body, const dragcore::Model& 
   fmt::print("{}: {}\n", options.file, describe(body.properties));
   line("extents", fmt::format("{:.4g} x {:.4g} x {:.4g} m", size.x(), size.y(), size.z()));
   line("centroid", fmt::format("{:.4g} {:.4g} {:.4g} m", at.x(), at.y(), at.z()));
-  line("class", fmt::format("{}; the air is felt on {}, in {} planar patches", to_string(body.surface.body_class),
-                            body.surface.two_sided() ? "both sides" : "the outer side", body.surface.patches.size()));
+  const char* sides = body.surface.two_sided()                                    ? "both sides"
+                      : body.surface.sides == dragcore::Surface::Sides::automatic ? "both sides of sheets, the outer side of bodies"
+                                                                                  : "the outer side";
+  line("class",
+       fmt::format("{}; {}; the air is felt on {}", to_string(body.surface.body_class),
+                   body.surface.parts.size() == 1 ? std::string("one part") : fmt::format("{} parts", body.surface.parts.size()), sides));
+  line("shape", body.surface.convex ? "convex: nothing stands in its own wind"
+                                    : fmt::format("not convex: up to {:.3g} times the silhouette faces the wind; rays say what it reaches",
+                                                  body.windward_ratio));
   line("law", fmt::format("{} with the {} pillow {:g} is advised (--law class)", advised.law.name, to_string(advised.pillow.form),
                           advised.pillow.factor));
   for (const std::string& note : body.notes) line("note", note);
