@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace dragcore {
 
@@ -54,8 +55,10 @@ PrincipalBox principal_box(Eigen::Index count, CornersOf&& corners) {
   return box;
 }
 
-/// Mean thickness 2 V/A over the middle extent, below which a body is a sheet to the air: a twentieth for the plates and discs that the
-/// sheet law was fitted to, a quarter for a box of half depth.
-inline constexpr double sheet_thickness = 0.12;
+/// Whether a body is a sheet to the air: its mean thickness 2 V/A is below 0.12 of its middle extent, a twentieth for the plates and discs
+/// that the sheet law was fitted to, a quarter for a box of half depth. A tetrahedron is thin by that measure, too, but not flat.
+inline bool is_sheet(double volume, double area, const Eigen::Vector3d& extents) {
+  return 2.0 * std::abs(volume) < 0.12 * extents[1] * area && extents[0] < 0.3 * extents[1];
+}
 
 }  // namespace dragcore

@@ -442,7 +442,7 @@ class Preparer {
     const Vector3d extents = principal_box(static_cast<Eigen::Index>(all.size()), [&](Eigen::Index i) {
                                return corners(all[static_cast<std::size_t>(i)]);
                              }).extents;
-    const bool thin = 2.0 * std::abs(shell.volume) < sheet_thickness * extents[1] * (shell.area + lid_area);
+    const bool thin = is_sheet(shell.volume, shell.area + lid_area, extents);
     bool through = false;
     if (!was_closed && !thin) through = one_can_look_through(shell, own, holes.size());
     if (!was_closed && (thin || through)) {

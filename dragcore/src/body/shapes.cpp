@@ -2,13 +2,13 @@
 #include <array>
 #include <cmath>
 #include <dragcore/shapes.hpp>
+#include <dragcore/unknown_word.hpp>
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include "support/ellipsoid_integrals.hpp"
-#include <dragcore/unknown_word.hpp>
 
 namespace dragcore {
 

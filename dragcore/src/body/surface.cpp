@@ -81,7 +81,7 @@ BodyClass classify(const Surface& surface, const Part& p, const std::vector<Eige
                              const Vector3d a = surface.centroid.row(i).matrix().transpose() - (ab + ac) / 3.0;
                              return {a, a + ab, a + ac};
                            }).extents;
-  if (2.0 * p.volume / p.area < sheet_thickness * extents[1]) return BodyClass::sheet;
+  if (is_sheet(p.volume, p.area, extents)) return BodyClass::sheet;
   // The smaller of the two principal curvatures, in units of the body: 2 on a ball, 0 on flat faces,
   // cylinders and cones. Of a teardrop 0.8 of the area passes, of a cone 0.02.
   double round = 0.0;

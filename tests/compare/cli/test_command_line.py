@@ -106,11 +106,12 @@ with tempfile.TemporaryDirectory() as folder:
     run("drag", "cube.obj", "--wind", "10", "0", code=2)
     run("drag", "cube.obj", "--wind", "10", "0", "0", "--speed", "3", code=2)
     assert "nothing.stl" in run("drag", "nothing.stl", "--wind", "1", "0", "0", code=3).stderr
-    # A mesh that no force can be computed of says its size, too.
+    # Normals that point inwards are turned, and that is said.
     with open("inside_out.obj", "w") as inverted:
         inverted.write("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n")
-    refused = run("mesh", "inside_out.obj", code=3).stderr
-    assert "inside out" in refused and "1 x 1 x 1 m" in refused, refused
+    turned = run("mesh", "inside_out.obj", "--repair", "outside.stl").stdout
+    assert "inside out" in turned and "turned" in turned and "1 x 1 x 1 m" in turned, turned
+    assert "found" not in run("mesh", "outside.stl").stdout
     with open("cut.stl", "wb") as cut:
         cut.write(bytes(80) + (12).to_bytes(4, "little") + bytes(100))
     refused = run("mesh", "cut.stl", code=3).stderr
