@@ -75,8 +75,8 @@ def drag_areas(file, unit):
             wind = row["wind_m_s"]
             axis = max(range(3), key=lambda k: abs(wind[k]))
             along = sum(f * w for f, w in zip(row["force_N"], wind)) / SPEED
-            areas[axis].append(along / (0.5 * DENSITY * SPEED**2))
-    return areas
+            areas[axis].append((-wind[axis], along / (0.5 * DENSITY * SPEED**2)))
+    return [[area for _, area in sorted(both)] for both in areas]  # the wind towards + first
 
 
 def short(findings):
