@@ -44,16 +44,17 @@ void add_body_options(CLI::App& command, BodyOptions& options) {
 }
 
 Body load_body(const BodyOptions& options) {
-  dragcore::TriangleMesh mesh = dragcore::read_mesh(options.file, options.unit_m());
+  dragcore::MeshFile file = dragcore::read_mesh_file(options.file, options.unit_m());
+  const dragcore::TriangleMesh& mesh = file.mesh;
   const dragcore::MeshProperties properties = dragcore::inspect(mesh);
   try {
     if (options.sheet) {
       dragcore::Surface surface(mesh, dragcore::Surface::Sides::two);
-      return {.mesh = std::move(mesh), .surface = std::move(surface), .properties = properties};
+      return {.mesh = mesh, .surface = std::move(surface), .properties = properties, .notes = std::move(file.notes)};
     }
     const dragcore::Preparation as_closed = dragcore::prepare(mesh);
     const dragcore::Preparation prepared = dragcore::expose(as_closed);
-    Body body{.mesh = prepared.mesh, .surface = dragcore::Surface(prepared), .properties = properties};
+    Body body{.mesh = prepared.mesh, .surface = dragcore::Surface(prepared), .properties = properties, .notes = std::move(file.notes)};
     for (const dragcore::Finding& finding : prepared.report) body.findings.push_back(to_string(finding.kind) + ": " + finding.text);
     for (const dragcore::WindwardRatio& view : dragcore::windward_over_silhouette(as_closed)) {
       if (view.silhouette > 0.0) body.windward_ratio = std::max(body.windward_ratio, view.summed / view.silhouette);

@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 #include <dragcore/descriptors.hpp>
+#include <dragcore/expose.hpp>
 #include <dragcore/pose.hpp>
+#include <dragcore/unknown_word.hpp>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -17,7 +19,6 @@
 #include "compare/reference/coefficients.hpp"
 #include "compare/tables/error_table.hpp"
 #include "compare/tables/text_grid.hpp"
-#include <dragcore/unknown_word.hpp>
 
 namespace cli {
 namespace {
@@ -44,7 +45,7 @@ struct Row {
   std::array<double, 3> angles_deg{};
   dragcore::Motion motion;                                  ///< body frame
   dragcore::Wrench wrench;                                  ///< body frame, torque about the moment centre
-  double frontal_area = 0.0;                                ///< summed over the windward sides [m^2]
+  double frontal_area = 0.0;                                ///< of the silhouette [m^2]
   std::optional<Eigen::Matrix<double, 6, 1>> coefficients;  ///< wind frame, as docs/conventions.md; empty without wind or area
   std::vector<std::string> validity;
 };
@@ -122,7 +123,7 @@ void add_coefficients(Result& result, const Options& options, const Body& body) 
     const auto widest = std::max_element(result.rows.begin(), result.rows.end(),
                                          [](const Row& a, const Row& b) { return a.frontal_area < b.frontal_area; });
     result.area = widest->frontal_area;
-    result.area_is = "frontal area: the windward sides summed along the wind, the silhouette of a convex body";
+    result.area_is = "frontal area: the silhouette along the wind";
     if (!result.swept.empty())
       result.area_is += fmt::format("; the largest of the sweep, at {} {:g}°", result.swept,
                                     widest->angles_deg[static_cast<std::size_t>(
@@ -154,7 +155,10 @@ Result evaluate(const Options& options, const Body& body, bool posed) {
   result.rows = winds(options, result.centre, posed);
   for (Row& row : result.rows) {
     row.wrench = dragcore::wrench(body.surface, row.motion, medium, model).total();
-    row.frontal_area = dragcore::describe(body.surface, row.motion.wind).frontal_area;
+    // Of one convex body its windward sides; anything else by its shadow, since parts may stand behind each other.
+    row.frontal_area = row.motion.wind.isZero(0.0) ? 0.0
+                       : body.surface.convex       ? dragcore::describe(body.surface, row.motion.wind).frontal_area
+                                                   : dragcore::silhouette_area(body.mesh, row.motion.wind);
     row.validity = validity(body, row.motion, medium, model);
   }
   add_coefficients(result, options, body);

@@ -91,12 +91,11 @@ class DisjointSets {
   }
   /// Numbers from 0 for every element's set, in the order in which sets first occur.
   std::vector<int> labels(int& count) {
-    std::vector<int> label(parent_.size()), of_root(parent_.size(), -1);
+    std::vector<int> label(parent_.size());
     count = 0;
     for (std::size_t i = 0; i < parent_.size(); ++i) {
-      int& number = of_root[static_cast<std::size_t>(root(static_cast<int>(i)))];
-      if (number < 0) number = count++;
-      label[i] = number;
+      const int above = root(static_cast<int>(i));  // never a later one, so that its number is known
+      label[i] = above == static_cast<int>(i) ? count++ : label[static_cast<std::size_t>(above)];
     }
     return label;
   }

@@ -298,11 +298,40 @@ class Preparer {
     if (sheets > 0 && sheets < static_cast<int>(shells_.size()))
       report_.push_back({Finding::Kind::sheet, sheets, sheet_area,
                          plural(sheets, "sheet") + " (" + number(sheet_area) + " m^2) beside bodies: both sides feel the air"});
-    prepared.report = std::move(report_);
+    prepared.report = merged(report_);
     return prepared;
   }
 
  private:
+  /// One finding of each kind, in the order in which they first occur: a tower of hundreds of open shells is one line, not hundreds.
+  static std::vector<Finding> merged(const std::vector<Finding>& findings) {
+    std::vector<Finding> report;
+    for (const Finding& finding : findings) {
+      const auto same = std::find_if(report.begin(), report.end(), [&](const Finding& other) { return other.kind == finding.kind; });
+      if (same == report.end()) {
+        report.push_back(finding);
+        continue;
+      }
+      same->count += finding.count;
+      same->area += finding.area;
+      const std::string area = " (" + number(same->area) + " m^2)";
+      switch (finding.kind) {
+        case Finding::Kind::inside_out:
+          same->text = plural(same->count, "shell") + area + " whose normals point inwards: turned";
+          break;
+        case Finding::Kind::capped:
+          same->text = plural(same->count, "hole") + area + " of bodies closed by lids that feel the wind";
+          break;
+        case Finding::Kind::open_through:
+          same->text = plural(same->count, "shell") + area + " that one can look through: left open, both sides feel the air";
+          break;
+        default:
+          break;  // said once only
+      }
+    }
+    return report;
+  }
+
   std::array<Vector3d, 3> corners(const Vector3i& t) const { return {mesh_.vertices[t[0]], mesh_.vertices[t[1]], mesh_.vertices[t[2]]}; }
   Vector3i& triangle(int i) { return mesh_.triangles[static_cast<std::size_t>(i)]; }
 
