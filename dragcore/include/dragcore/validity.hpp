@@ -11,7 +11,7 @@ enum class Doubt : unsigned {
   low_reynolds = 1u << 0,  ///< below what the laws were fitted to, Re 1e4: friction and wakes differ
   not_exposed = 1u << 1,   ///< walls may stand in each other's wind, and nobody looked: expose()
   concave = 1u << 2,       ///< they do: laws are fitted to convex bodies
-  spin = 1u << 3,          ///< points move faster by spin than by travel: torques of spin are 40 to 75 % low
+  spin = 1u << 3,          ///< points move faster by spin than by travel: torques of spin are 15 to 65 % low
   stalling_sheet =
       1u << 4,  ///< a sheet between 17 and 48 degrees of incidence, where steady RANS, which the law is fitted to, is a quarter low
   edge_on_sheet = 1u << 5,  ///< a sheet within 5 degrees of edge-on: edge and friction, which the law has not

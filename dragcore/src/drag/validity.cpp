@@ -100,7 +100,7 @@ Validity validity(const Surface& surface, const Motion& motion, const Medium& me
     if (reached < 0.95 * facing)
       doubt(Doubt::concave, text(100.0 * (1.0 - reached / facing)) + " % of the windward area stands behind other parts");
   }
-  if (spin > travel && spin > 0.0) doubt(Doubt::spin, "points move faster by spin than by travel; torques of spin are 40 to 75 % too low");
+  if (spin > travel && spin > 0.0) doubt(Doubt::spin, "points move faster by spin than by travel; torques of spin are 15 to 65 % too low");
   if (speed > 0.0 && motion.wind_gradient.norm() * surface.radius > travel / 3.0)
     doubt(Doubt::uneven_wind, "the wind varies over the body by more than a third of the speed");
   if (!(travel > 0.0)) return found;
