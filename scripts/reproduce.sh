@@ -17,7 +17,7 @@ for argument in "$@"; do
 done
 
 scripts/install.sh
-scripts/build.sh release
+scripts/build.sh release dragval cfd_mesh
 dragval=build/release/bin/dragval
 status=0
 

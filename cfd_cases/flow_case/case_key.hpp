@@ -3,9 +3,9 @@
 #include <optional>
 #include <string>
 
-#include "cfd_cases/campaign/tools.hpp"
 #include "cfd_cases/flow_case/matrix.hpp"
 #include "cfd_cases/mesh/mesh_recipe.hpp"
+#include "cfd_cases/programs/tools.hpp"
 
 namespace cfd_cases {
 

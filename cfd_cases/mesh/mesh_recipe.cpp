@@ -144,6 +144,15 @@ double body_scale(const dragcore::Shape& shape) {
   return extent[1];
 }
 
+double allowed_surface_error(const dragcore::Shape& shape, const MeshRecipe& recipe) {
+  // Flat sides are exact but for the 12 digits of the file and OpenCASCADE's tolerance of 1e-7.
+  if (std::holds_alternative<dragcore::Plate>(shape) || std::holds_alternative<dragcore::Box>(shape)) return 1e-5;
+  // Round sides: a facet of size h lies up to h^2 / 8R inside a circle of radius R = 1/2 scale, and the dual cuts its corners once more;
+  // area and volume of a sphere then lose 0.4 and 0.6 (h/R)^2. Twice as much leaves room for the point of a cone, which the dual cuts off.
+  const double h = recipe.body_size * recipe.refinement / 0.5;
+  return 1.2 * h * h;
+}
+
 MeshRecipe octree_recipe() {
   MeshRecipe recipe;
   recipe.hexahedra = 1.0;

@@ -53,6 +53,9 @@ struct MeshRecipe {
   double wake_rise = 0.0;   ///< of the wake box to the lee side, where mesh and body stay and the wind turns; 0: wake_margin
 };
 
+/// The largest relative error of area and volume that a correct mesh may have: rounding for flat sides, faceting for round ones.
+double allowed_surface_error(const dragcore::Shape& shape, const MeshRecipe& recipe);
+
 /// The recipe of an octree of cubes around a body with flat sides, for scale-resolving runs: the size on the body fits a plate of
 /// thickness 0.05. Levels differ by 2; a cube is content with "coarse", which does not fit such a plate.
 MeshRecipe octree_recipe();

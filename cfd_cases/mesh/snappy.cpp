@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cfd_cases/mesh/mesh.hpp"
-
 namespace cfd_cases {
 
 using Eigen::AlignedBox3d;

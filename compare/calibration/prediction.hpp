@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dragcore/drag.hpp>
+#include <dragcore/validity.hpp>
 #include <functional>
 #include <string>
 
@@ -16,14 +17,18 @@ int default_divisions(const dragcore::Shape& shape);
 /// a body of triangles that does not enclose, feel the wind on both sides.
 dragcore::Surface surface_of(const dragcore::Shape& shape, int divisions);
 
-/// One model for every body, or the law that suits the class of each (dragcore::law_for) with one pillow for all.
+/// One model for every body, or the law that suits the class of each (dragcore::law_for), with one pillow for all or that of the class.
 struct ModelChoice {
   dragcore::Model model{};
-  bool by_class = false;  ///< the law is chosen by the body; `model.law` is not used
+  bool by_class = false;         ///< the law is chosen by the body; `model.law` is not used
+  bool pillow_by_class = false;  ///< so is the pillow (dragcore::class_pillow)
 
   ModelChoice() = default;  ///< the note's law
   ModelChoice(const dragcore::Model& fixed) : model(fixed) {}
   static ModelChoice of_class(const dragcore::Pillow& pillow = {});
+  static ModelChoice recommended();  ///< what dragcore::model_for() gives
+
+  std::string pillow_label() const;  ///< "tilt pillow 0.78", "tilt pillow by class"; empty without one
 
   dragcore::Model on(const dragcore::Surface& surface) const;
 };
@@ -39,6 +44,9 @@ struct NamedModel {
 /// @param divisions  of the triangulation; 0 takes default_divisions()
 /// @return           force [N] and moment about the body's centroid [N m], wind frame, by term
 dragcore::WrenchByTerm predict(const case_record::CaseRecord& record, const ModelChoice& choice, int divisions = 0);
+
+/// What is known of the laws by class at the pose and Reynolds number of a case.
+dragcore::Validity validity(const case_record::CaseRecord& record);
 
 /// Any model: what a comparison asks. predict() bound to a drag law is one, a table of somebody else's numbers another.
 using Predictor = std::function<dragcore::Wrench(const case_record::CaseRecord&)>;

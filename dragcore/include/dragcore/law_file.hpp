@@ -9,7 +9,7 @@
 /// Laws in files: TOML, one key per number of Law under its name there, polynomials as lists of five. What a file leaves out keeps its
 /// default; only `name` is needed. Files are ASCII; texts may hold any character as \uXXXX. A table [provenance] holds texts: what the
 /// numbers were derived from or fitted to, by which command, when, with which errors and where they are valid. The laws of named_law() are
-/// installed as share/dragcore/laws/*.toml. Part of dragcore::io.
+/// installed as share/dragcore/laws/*.toml. Part of dragcore::law_files.
 namespace dragcore {
 
 struct LawFile {

@@ -2,10 +2,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <dragcore/mesh.hpp>
-#include <map>
-#include <set>
+#include <numeric>
 #include <sstream>
 #include <stdexcept>
 
@@ -15,8 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector3i;
-
-using Point = std::array<double, 3>;
 
 double extent(const TriangleMesh& mesh) {
   if (mesh.vertices.empty()) return 0.0;
@@ -31,33 +29,68 @@ struct Hole {
   int edges = 0;
 };
 
-/// The boundary as connected loops. `boundary`: how much oftener each edge is run through forwards than backwards.
-std::vector<Hole> holes(const std::map<std::pair<int, int>, int>& boundary, const std::vector<Vector3d>& vertices, const Vector3d& origin) {
-  std::map<int, int> parent;
-  const auto root = [&parent](int v) {
-    while (parent.at(v) != v) v = parent[v] = parent[parent[v]];
+/// An edge of the boundary, and how much oftener it is run through from its lower vertex to its higher one than backwards.
+struct BoundaryEdge {
+  int low, high, times;
+};
+
+/// The boundary as connected loops, in the order of their roots.
+std::vector<Hole> holes(const std::vector<BoundaryEdge>& boundary, const std::vector<Vector3d>& vertices, const Vector3d& origin) {
+  // Vertices of the boundary by their place in this list.
+  std::vector<int> corners;
+  for (const BoundaryEdge& edge : boundary) corners.insert(corners.end(), {edge.low, edge.high});
+  std::sort(corners.begin(), corners.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  const auto place = [&](int v) { return static_cast<std::size_t>(std::lower_bound(corners.begin(), corners.end(), v) - corners.begin()); };
+  std::vector<std::size_t> parent(corners.size());
+  std::iota(parent.begin(), parent.end(), std::size_t{0});
+  const auto root = [&parent](std::size_t v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
     return v;
   };
-  for (const auto& [edge, times] : boundary) {
-    parent.try_emplace(edge.first, edge.first), parent.try_emplace(edge.second, edge.second);
-    parent[root(edge.first)] = root(edge.second);
-  }
-  std::map<int, Hole> by_root;
-  for (const auto& [edge, times] : boundary) {
-    Hole& hole = by_root[root(edge.first)];
-    const Vector3d from = vertices[static_cast<std::size_t>(edge.first)] - origin,
-                   to = vertices[static_cast<std::size_t>(edge.second)] - origin;
-    hole.area += 0.5 * times * from.cross(to);
+  for (const BoundaryEdge& edge : boundary) parent[root(place(edge.low))] = root(place(edge.high));
+  std::vector<Hole> by_root(corners.size());
+  for (const BoundaryEdge& edge : boundary) {
+    Hole& hole = by_root[root(place(edge.low))];
+    const Vector3d from = vertices[static_cast<std::size_t>(edge.low)] - origin, to = vertices[static_cast<std::size_t>(edge.high)] - origin;
+    hole.area += 0.5 * edge.times * from.cross(to);
     hole.centre += 0.5 * (from + to);
     ++hole.edges;
   }
-  std::vector<Hole> found;
-  for (auto& [v, hole] : by_root) {
-    hole.centre /= hole.edges;
-    found.push_back(hole);
-  }
-  return found;
+  std::erase_if(by_root, [](const Hole& hole) { return hole.edges == 0; });
+  for (Hole& hole : by_root) hole.centre /= hole.edges;
+  return by_root;
 }
+
+/// A triangle's directed edge as one number that sorts by lower vertex, higher vertex, direction.
+std::uint64_t edge_key(int from, int to) {
+  const auto [low, high] = std::minmax(from, to);
+  return static_cast<std::uint64_t>(low) << 32 | static_cast<std::uint64_t>(high) << 1 | static_cast<std::uint64_t>(from > to);
+}
+
+/// Vertices of a mesh by their place, found in a time that does not grow with their number. Holds indices into `vertices`.
+class PlaceIndex {
+ public:
+  PlaceIndex(const std::vector<Vector3d>& vertices, std::size_t most) : vertices_(vertices), slots_(std::bit_ceil(2 * most + 1), -1) {}
+
+  /// The index of the vertex at `v`, or `if_new` after taking that down. Zeros must have no sign.
+  int find_or_add(const Vector3d& v, int if_new) {
+    std::uint64_t hash = 0;
+    for (const double x : v) {  // every bit of the three decides, and the lowest ones of the result depend on all
+      hash = (hash ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15u;
+      hash ^= hash >> 32;
+    }
+    const std::size_t mask = slots_.size() - 1;
+    for (std::size_t slot = hash & mask;; slot = (slot + 1) & mask) {
+      if (slots_[slot] < 0) return slots_[slot] = if_new;
+      if (vertices_[static_cast<std::size_t>(slots_[slot])] == v) return slots_[slot];
+    }
+  }
+
+ private:
+  const std::vector<Vector3d>& vertices_;
+  std::vector<int> slots_;
+};
 
 }  // namespace
 
@@ -88,13 +121,13 @@ void validate(const TriangleMesh& mesh) {
 
 TriangleMesh welded(const TriangleMesh& mesh) {
   TriangleMesh result;
-  std::map<Point, int> seen;
+  PlaceIndex index(result.vertices, mesh.vertices.size());
   std::vector<int> renumbered(mesh.vertices.size());
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Vector3d v = mesh.vertices[i] + Vector3d::Zero();  // turns -0.0 into 0.0, the same place
-    const auto [entry, added] = seen.try_emplace(Point{v.x(), v.y(), v.z()}, static_cast<int>(result.vertices.size()));
-    if (added) result.vertices.push_back(v);
-    renumbered[i] = entry->second;
+    const auto next = static_cast<int>(result.vertices.size());
+    renumbered[i] = index.find_or_add(v, next);
+    if (renumbered[i] == next) result.vertices.push_back(v);
   }
   result.triangles.reserve(mesh.triangles.size());
   for (const Vector3i& t : mesh.triangles) result.triangles.emplace_back(renumbered[t[0]], renumbered[t[1]], renumbered[t[2]]);
@@ -108,11 +141,10 @@ MeshProperties inspect(const TriangleMesh& mesh) {
   p.triangles = static_cast<int>(joined.triangles.size());
   const double size = extent(joined);
 
-  struct EdgeUse {
-    int forward = 0, backward = 0;
-  };
-  std::map<std::pair<int, int>, EdgeUse> edges;
-  std::set<std::array<int, 3>> seen;
+  std::vector<std::uint64_t> edges;
+  edges.reserve(3 * joined.triangles.size());
+  std::vector<std::array<int, 3>> corners;  // of each triangle, in rising order
+  corners.reserve(joined.triangles.size());
   // Moments about a point of the mesh, not the origin: a body far away must not lose digits.
   const Vector3d origin = joined.vertices.empty() ? Vector3d::Zero() : joined.vertices.front();
   Vector3d area_moment = Vector3d::Zero(), volume_moment = Vector3d::Zero();
@@ -123,27 +155,32 @@ MeshProperties inspect(const TriangleMesh& mesh) {
     const bool repeated_vertex = t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
     std::array<int, 3> sorted{t[0], t[1], t[2]};
     std::sort(sorted.begin(), sorted.end());
-    if (!seen.insert(sorted).second) ++p.duplicated;
+    corners.push_back(sorted);
     p.area += area;
     area_moment += area * (a + b + c) / 3.0;
     const double tetrahedron = a.dot(b.cross(c)) / 6.0;
     p.volume += tetrahedron;
     volume_moment += tetrahedron * (a + b + c) / 4.0;
     if (repeated_vertex) continue;  // it has no edges of its own
-    for (int k = 0; k < 3; ++k) {
-      const int from = t[k], to = t[(k + 1) % 3];
-      EdgeUse& use = edges[std::minmax(from, to)];
-      ++(from < to ? use.forward : use.backward);
-    }
+    for (int k = 0; k < 3; ++k) edges.push_back(edge_key(t[k], t[(k + 1) % 3]));
   }
-  std::map<std::pair<int, int>, int>
-      boundary;  // edges that their triangles run through oftener one way than the other; bad winding makes no hole
-  for (const auto& [edge, use] : edges) {
-    const int total = use.forward + use.backward;
+  std::sort(corners.begin(), corners.end());
+  for (std::size_t i = 1; i < corners.size(); ++i)
+    if (corners[i] == corners[i - 1]) ++p.duplicated;
+
+  std::sort(edges.begin(), edges.end());
+  std::vector<BoundaryEdge> boundary;  // edges that their triangles run through oftener one way than the other; bad winding makes no hole
+  for (std::size_t i = 0; i < edges.size();) {
+    const std::uint64_t edge = edges[i] >> 1;
+    int forward = 0, total = 0;
+    for (; i < edges.size() && edges[i] >> 1 == edge; ++i, ++total)
+      if ((edges[i] & 1u) == 0) ++forward;
+    const int backward = total - forward;
     if (total == 1) ++p.boundary_edges;
     if (total > 2) ++p.non_manifold_edges;
-    if (total == 2 && use.forward != 1) ++p.inconsistent_edges;
-    if (total != 2 && use.forward != use.backward) boundary[edge] = use.forward - use.backward;
+    if (total == 2 && forward != 1) ++p.inconsistent_edges;
+    if (total != 2 && forward != backward)
+      boundary.push_back({static_cast<int>(edge >> 31), static_cast<int>(edge & 0x7fffffffu), forward - backward});
   }
   for (const Hole& hole : holes(boundary, joined.vertices, origin)) {
     p.hole_area += hole.area.norm();

@@ -3,13 +3,15 @@
 #include <array>
 #include <cmath>
 #include <dragcore/shapes.hpp>
-#include <functional>
+#include <dragcore/unknown_word.hpp>
 #include <numbers>
 #include <numeric>
 #include <set>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
+
+#include "support/ellipsoid_integrals.hpp"
 
 namespace dragcore {
 
@@ -98,16 +100,15 @@ TeardropParts parts(const Teardrop& s) {
   return p;
 }
 
+/// pi (a b c)^2 times the integral of tau (s_x + s_y + s_z) sqrt(s_x s_y s_z), s_i = 1/(1 + tau a_i^2), over 0 < tau < infinity: Carlson's
+/// R_G of the squared products of two semi-axes each. Not singular where semi-axes are equal, as Legendre's elliptic integrals are.
 double ellipsoid_area(const Ellipsoid& s) {
-  std::array<double, 3> axis{s.semi_x, s.semi_y, s.semi_z};
-  std::sort(axis.begin(), axis.end(), std::greater<>());
-  const auto [a, b, c] = axis;
-  // Within 1e-6 of a sphere the elliptic integrals are 0/0; the mean of the products is exact to the second order there.
-  if (a - c < 1e-6 * a) return 4.0 * pi * (a * b + b * c + c * a) / 3.0;
-  const double phi = std::acos(c / a), sin_phi = std::sin(phi), cos_phi = c / a;
-  const double k = std::min(1.0, (a / b) * std::sqrt((b * b - c * c) / (a * a - c * c)));
-  return 2.0 * pi * c * c +
-         2.0 * pi * a * b / sin_phi * (std::ellint_2(k, phi) * sin_phi * sin_phi + std::ellint_1(k, phi) * cos_phi * cos_phi);
+  const Vector3d semi(s.semi_x, s.semi_y, s.semi_z), scaled = semi / semi.maxCoeff();
+  double integral = 0.0;
+  for_each_ellipsoid_node(scaled, [&integral](double tau, double d_tau, const Vector3d& shrink, double root) {
+    integral += tau * shrink.sum() * root * d_tau;
+  });
+  return pi * std::pow(scaled.prod() * semi.maxCoeff(), 2) * integral;
 }
 
 void check_divisions(int divisions) {
@@ -592,9 +593,7 @@ Shape make_shape(std::string_view kind, const Parameters& given) {
     shape = Prism{
         .base = read("base", d.base), .span = read("span", d.span), .apex_angle = read("apex_angle_deg", d.apex_angle * degrees) / degrees};
   } else {
-    std::string known;
-    for (const std::string_view word : shape_kinds) known += (known.empty() ? "" : ", ") + std::string(word);
-    throw std::invalid_argument("unknown shape '" + std::string(kind) + "'; known: " + known);
+    throw std::invalid_argument(unknown_word("shape", kind, {shape_kinds.begin(), shape_kinds.end()}));
   }
   read.finish();
   properties(shape);  // checks the ranges

@@ -8,11 +8,15 @@
 #include <dragcore/field_file.hpp>
 #include <fstream>
 #include <functional>
-#include <iterator>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
+#include <utility>
+#include <vector>
+
+#include "io/text.hpp"
 
 namespace dragcore {
 
@@ -38,10 +42,21 @@ GridField checked(const std::filesystem::path& file, Grid grid) {
 
 bool is_separator(char c) { return c == ',' || c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
+std::string text_of(const std::filesystem::path& file) {
+  std::string bytes;
+  try {
+    bytes = bytes_of(file);
+  } catch (const std::runtime_error& fault) {
+    fail(file, fault.what());
+  }
+  if (is_utf16(bytes)) fail(file, "is text in UTF-16; save it as UTF-8 or ASCII");
+  return bytes;
+}
+
 /// The numbers of a text, in order; reads nothing past its end.
 class Numbers {
  public:
-  Numbers(const std::filesystem::path& file, std::string_view text) : file_(file), rest_(text), size_(text.size()) {}
+  Numbers(const std::filesystem::path& file, std::string_view text) : file_(file), rest_(without_mark(text)), size_(text.size()) {}
 
   bool at_end() {
     while (!rest_.empty() && is_separator(rest_.front())) rest_.remove_prefix(1);
@@ -50,17 +65,14 @@ class Numbers {
 
   double next(const std::string& what) {
     if (at_end()) fail(file_, "ends where " + what + " is needed; it is truncated, export it again");
-    const char *begin = rest_.data(), *end = begin + rest_.size();
-    if (*begin == '+' && end - begin > 1 && begin[1] != '-') ++begin;  // some exporters write it, std::from_chars refuses it
-    double value = 0.0;
-    const auto [stop, error] = std::from_chars(begin, end, value);
-    if (error != std::errc{} || (stop != end && !is_separator(*stop)) || !std::isfinite(value)) {
-      const std::string word(rest_.substr(0, std::min<std::size_t>(20, rest_.find_first_of(", \t\r\n"))));
-      fail(file_,
-           "has '" + word + "' at byte " + std::to_string(size_ - rest_.size()) + ", where " + what + " is needed: not a finite number");
-    }
-    rest_.remove_prefix(static_cast<std::size_t>(stop - rest_.data()));
-    return value;
+    const std::string_view word =
+        rest_.substr(0, static_cast<std::size_t>(std::find_if(rest_.begin(), rest_.end(), is_separator) - rest_.begin()));
+    const std::optional<double> value = number_of<double>(word);
+    if (!value || !std::isfinite(*value))
+      fail(file_, "has " + in_quotes(word) + " at byte " + std::to_string(size_ - rest_.size()) + ", where " + what +
+                      " is needed: not a finite number");
+    rest_.remove_prefix(word.size());
+    return *value;
   }
 
   Vector3d next_vector(const std::string& what) {
@@ -80,6 +92,34 @@ void check(const char* function, const FgaMeaning& meaning) {
     if (!(unit > 0.0) || !std::isfinite(unit))
       throw std::invalid_argument(std::string(function) + ": " + name + " = " + std::to_string(unit) +
                                   ", but it must be greater than 0 and finite");
+  if (!(meaning.thickness_m >= 0.0) || !std::isfinite(meaning.thickness_m))
+    throw std::invalid_argument(std::string(function) + ": thickness_m = " + std::to_string(meaning.thickness_m) +
+                                ", but it must be 0 or greater, and finite");
+}
+
+/// Calls visit(column of Grid::values) for each point in the order of the file.
+template <class Visit>
+void for_each_point(const Eigen::Vector3i& points, FgaOrder order, const Visit& visit) {
+  const Eigen::Index nx = points[0], ny = points[1], nz = points[2];
+  if (order == FgaOrder::x_fastest) {
+    for (Eigen::Index column = 0; column < nx * ny * nz; ++column) visit(column);
+  } else {
+    for (Eigen::Index i = 0; i < nx; ++i)
+      for (Eigen::Index j = 0; j < ny; ++j)
+        for (Eigen::Index k = 0; k < nz; ++k) visit((k * ny + j) * nx + i);
+  }
+}
+
+/// Widens a flat box, whose bounds are equal along an axis of one point, to `thickness`, or to its widest cell where that is 0 [m].
+void thicken(const std::filesystem::path& file, const Eigen::Vector3i& points, double thickness, Vector3d& lower, Vector3d& upper) {
+  const auto flat = [&, from = lower, to = upper](int a) { return points[a] == 1 && from[a] == to[a]; };
+  if (!flat(0) && !flat(1) && !flat(2)) return;
+  if (thickness == 0.0)
+    for (int a = 0; a < 3; ++a)
+      if (!flat(a)) thickness = std::max(thickness, (upper[a] - lower[a]) / std::max(1, points[a] - 1));
+  if (thickness == 0.0) fail(file, "its lower and upper bounds are equal, so that the field has no size; needed: bounds apart");
+  for (int a = 0; a < 3; ++a)
+    if (flat(a)) lower[a] -= 0.5 * thickness, upper[a] += 0.5 * thickness;
 }
 
 /// Half of a cell that the file's bounds reach beyond the outermost points, or 0; `from_bounds` when the size given is that of the bounds.
@@ -95,14 +135,8 @@ Vector3d overhang(const FgaMeaning& meaning, const Eigen::Vector3i& points, cons
 
 GridField read_fga(const std::filesystem::path& file, const FgaMeaning& meaning) {
   check("read_fga", meaning);
-  if (!std::filesystem::is_regular_file(file)) fail(file, "no such file");
-  std::ifstream in(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (in.fail()) fail(file, "cannot be read");
-  std::string_view body = text;
-  if (body.starts_with("\xEF\xBB\xBF")) body.remove_prefix(3);  // the mark that some editors put before UTF-8
-
-  Numbers numbers(file, body);
+  const std::string text = text_of(file);
+  Numbers numbers(file, text);
   Grid grid;
   grid.outside = meaning.outside;
   double count = 1.0;
@@ -115,26 +149,29 @@ GridField read_fga(const std::filesystem::path& file, const FgaMeaning& meaning)
     count *= points;
   }
   // A number and its separator take two bytes: a file that promises more vectors than it has room for is not worth allocating for.
-  if (count > most_points || 6.0 * count > static_cast<double>(body.size()) + 1.0)
+  if (count > most_points || 6.0 * count > static_cast<double>(text.size()) + 1.0)
     fail(file, "promises " + std::to_string(grid.points[0]) + " x " + std::to_string(grid.points[1]) + " x " +
-                   std::to_string(grid.points[2]) + " vectors, but has only " + std::to_string(body.size()) +
+                   std::to_string(grid.points[2]) + " vectors, but has only " + std::to_string(text.size()) +
                    " bytes; it is truncated or no FGA file");
   const Vector3d lower = meaning.length_m * numbers.next_vector("the lower bound"),
                  upper = meaning.length_m * numbers.next_vector("the upper bound");
   const Vector3d half = overhang(meaning, grid.points, upper - lower, true);
   grid.lower = lower + half;
   grid.upper = upper - half;
+  thicken(file, grid.points, meaning.thickness_m, grid.lower, grid.upper);
   grid.values.resize(3, static_cast<Eigen::Index>(count));
-  for (Eigen::Index i = 0; i < grid.values.cols(); ++i)
-    grid.values.col(i) =
-        meaning.speed_m_s * numbers.next_vector("vector " + std::to_string(i + 1) + " of " + std::to_string(grid.values.cols()));
+  Eigen::Index read = 0;
+  for_each_point(grid.points, meaning.order, [&](Eigen::Index column) {
+    grid.values.col(column) =
+        meaning.speed_m_s * numbers.next_vector("vector " + std::to_string(++read) + " of " + std::to_string(grid.values.cols()));
+  });
   if (!numbers.at_end())
     fail(file,
          "goes on after its last vector, number " + std::to_string(grid.values.cols()) + "; its first line does not fit its contents");
   return checked(file, std::move(grid));
 }
 
-void write_fga(const std::filesystem::path& file, const GridField& field, const FgaMeaning& meaning) {
+std::vector<std::string> write_fga(const std::filesystem::path& file, const GridField& field, const FgaMeaning& meaning) {
   check("write_fga", meaning);
   const Grid& grid = field.grid();
   std::string text;
@@ -148,9 +185,16 @@ void write_fga(const std::filesystem::path& file, const GridField& field, const 
   line(grid.points.cast<double>());
   line((grid.lower - half) / meaning.length_m);
   line((grid.upper + half) / meaning.length_m);
-  for (Eigen::Index i = 0; i < grid.values.cols(); ++i) line(grid.values.col(i) / meaning.speed_m_s);
+  for_each_point(grid.points, meaning.order, [&](Eigen::Index column) { line(grid.values.col(column) / meaning.speed_m_s); });
   std::ofstream out(file, std::ios::binary);
   if (!(out << text).flush()) fail(file, "cannot be written; check the folder and the free space");
+  std::vector<std::string> notes;
+  constexpr int most_in_unreal = 128;
+  for (int a = 0; a < 3; ++a)
+    if (grid.points[a] > most_in_unreal)
+      notes.push_back(std::to_string(grid.points[a]) + " points along " + "xyz"[a] + ": Unreal takes " + std::to_string(most_in_unreal) +
+                      " at most. Write fewer if the file is meant for it");
+  return notes;
 }
 
 namespace {

@@ -134,7 +134,7 @@ TEST_CASE("an FGA file that is cut, foreign or wrong gives a message with its fa
   refused("100000000,100000000,100000000,0,0,0,1,1,1,1,2,3",
           "promises 100000000 x 100000000 x 100000000 vectors");  // more than 64 bits count
   refused("1e300,1e300,1e300,0,0,0,1,1,1,1,2,3", "whole number from 1");
-  refused("1,1,1,0,0,0,1,0,1,1,2,3", "upper - lower");
+  refused("1,2,1,0,0,0,1,0,1,1,2,3,4,5,6", "upper - lower");
   refused("solid cube", "'solid'");
   refused(std::string("\x89HDF\r\n\x1a\n\0\0", 10), "not a finite number");
   CHECK_THROWS_WITH(read_fga(folder.path / "none.fga"), Contains("no such file"));

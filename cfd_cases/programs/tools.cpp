@@ -1,4 +1,4 @@
-#include "cfd_cases/campaign/tools.hpp"
+#include "cfd_cases/programs/tools.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -7,7 +7,7 @@
 #include <regex>
 #include <thread>
 
-#include "cfd_cases/campaign/subprocess.hpp"
+#include "cfd_cases/programs/subprocess.hpp"
 
 namespace cfd_cases {
 

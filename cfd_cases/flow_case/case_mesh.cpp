@@ -1,4 +1,4 @@
-#include "cfd_cases/mesh/mesh.hpp"
+#include "cfd_cases/flow_case/case_mesh.hpp"
 
 #include <fmt/format.h>
 
@@ -11,10 +11,10 @@
 #include <sstream>
 #include <thread>
 
-#include "cfd_cases/campaign/subprocess.hpp"
 #include "cfd_cases/flow_case/dictionaries.hpp"
 #include "cfd_cases/mesh/poly_mesh.hpp"
 #include "cfd_cases/mesh/snappy.hpp"
+#include "cfd_cases/programs/subprocess.hpp"
 
 namespace cfd_cases {
 
@@ -259,15 +259,6 @@ Mesh ensure_mesh(const CaseSpec& spec, const CaseIdentity& identity, const Tools
   fs::remove_all(folder);
   mesh.poly_mesh = target / "polyMesh";
   return mesh;
-}
-
-double allowed_surface_error(const dragcore::Shape& shape, const MeshRecipe& recipe) {
-  // Flat sides are exact but for the 12 digits of the file and OpenCASCADE's tolerance of 1e-7.
-  if (std::holds_alternative<dragcore::Plate>(shape) || std::holds_alternative<dragcore::Box>(shape)) return 1e-5;
-  // Round sides: a facet of size h lies up to h^2 / 8R inside a circle of radius R = 1/2 scale, and the dual cuts its corners once more;
-  // area and volume of a sphere then lose 0.4 and 0.6 (h/R)^2. Twice as much leaves room for the point of a cone, which the dual cuts off.
-  const double h = recipe.body_size * recipe.refinement / 0.5;
-  return 1.2 * h * h;
 }
 
 std::string contents(const fs::path& file) {
