@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <dragcore/expose.hpp>
 #include <map>
 #include <mutex>
 #include <string>
@@ -16,8 +17,10 @@ int default_divisions(const dragcore::Shape& shape) {
 dragcore::Surface surface_of(const dragcore::Shape& shape, int divisions) {
   using Sides = dragcore::Surface::Sides;
   const auto* plate = std::get_if<dragcore::Plate>(&shape);
-  const auto* body = std::get_if<dragcore::MeshBody>(&shape);
-  const bool sheet = (plate && plate->thickness == 0.0) || (body && body->measured.volume == 0.0);
+  // As a user's file: lids on its holes, and rays to find what stands in the lee of what.
+  if (const auto* body = std::get_if<dragcore::MeshBody>(&shape))
+    return dragcore::Surface(dragcore::expose(dragcore::prepare(*body->mesh)));
+  const bool sheet = plate && plate->thickness == 0.0;
   return dragcore::Surface(dragcore::triangulate(shape, divisions), sheet ? Sides::two : Sides::one);
 }
 

@@ -13,8 +13,8 @@ namespace compare {
 /// ones, where the error of the faceted surface is below 0.3 % (second order, tests/compare/calibration/test_prediction.cpp).
 int default_divisions(const dragcore::Shape& shape);
 
-/// The surface that a model sees of a body: every prediction, fit and cost measurement takes it from here. A plate without thickness, and
-/// a body of triangles that does not enclose, feel the wind on both sides.
+/// The surface that a model sees of a body: every prediction, fit and cost measurement takes it from here. A plate without thickness
+/// feels the wind on both sides; a body of triangles is prepared and exposed as a file would be.
 dragcore::Surface surface_of(const dragcore::Shape& shape, int divisions);
 
 /// One model for every body, or the law that suits the class of each (dragcore::law_for), with one pillow for all or that of the class.

@@ -10,7 +10,7 @@ namespace dragcore {
 enum class Doubt : unsigned {
   low_reynolds = 1u << 0,  ///< below what the laws were fitted to, Re 1e4: friction and wakes differ
   not_exposed = 1u << 1,   ///< walls may stand in each other's wind, and nobody looked: expose()
-  concave = 1u << 2,       ///< they do: laws are fitted to convex bodies
+  concave = 1u << 2,       ///< not one convex body, to which the laws are fitted
   spin = 1u << 3,          ///< points move faster by spin than by travel: torques of spin are 15 to 65 % low
   stalling_sheet =
       1u << 4,  ///< a sheet between 17 and 48 degrees of incidence, where steady RANS, which the law is fitted to, is a quarter low

@@ -86,6 +86,8 @@ Validity validity(const Surface& surface, const Motion& motion, const Medium& me
   }
   if (!surface.convex && !surface.exposed)
     doubt(Doubt::not_exposed, "the mesh is not convex, and nobody looked which walls stand in the wind of others: use expose()");
+  if (!surface.convex && surface.exposed && !surface.exposure)
+    doubt(Doubt::concave, "not one convex body, to which the laws are fitted, though all of it meets the wind");
   // What the wind does not reach, along this direction: the flow there is nothing that a law of convex bodies knows.
   if (surface.exposure && travel > 0.0) {
     const Exposure::Sample sample = surface.exposure->towards(-flow.at_centre(main));
@@ -97,8 +99,9 @@ Validity validity(const Surface& surface, const Motion& motion, const Medium& me
       facing += surface.area[i] * c;
       reached += surface.area[i] * c * surface.exposure->share(i, sample);
     }
-    if (reached < 0.95 * facing)
-      doubt(Doubt::concave, text(100.0 * (1.0 - reached / facing)) + " % of the windward area stands behind other parts");
+    doubt(Doubt::concave, reached < 0.999 * facing
+                              ? text(100.0 * (1.0 - reached / facing)) + " % of the windward area stands behind other parts"
+                              : "not one convex body, to which the laws are fitted, though nothing stands in the lee of anything here");
   }
   if (spin > travel && spin > 0.0) doubt(Doubt::spin, "points move faster by spin than by travel; torques of spin are 15 to 65 % too low");
   if (speed > 0.0 && motion.wind_gradient.norm() * surface.radius > travel / 3.0)
