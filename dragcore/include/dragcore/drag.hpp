@@ -38,6 +38,13 @@ struct SheetModel {
   Pillow pillow{};
 };
 
+/// Of the sum over the triangles. `single` runs 8 or 16 triangles at once where the library was built with its kernels (DRAGCORE_SIMD) and
+/// they know the model: all but the pillow forms other than `tilt` and laws whose polynomials change sign. Else it is `full`.
+enum class Precision {
+  full,    ///< double throughout: within 1e-12 of reference::wrench()
+  single,  ///< float within a block of triangles, double between blocks: within 1e-6 of the sum of magnitudes
+};
+
 /// A plain Model is the note's: no friction, no pillow. model_for() has what validation found best.
 struct Model {
   Law law = note_law();
@@ -48,6 +55,7 @@ struct Model {
   bool check = true;
   /// Of parts of class `sheet`, where a mesh has both sheets and bodies. Empty: as the others.
   std::optional<SheetModel> sheets{};
+  Precision precision = Precision::full;
 
   const Law& law_of(BodyClass body_class) const { return sheets && body_class == BodyClass::sheet ? sheets->law : law; }
   const Pillow& pillow_of(BodyClass body_class) const { return sheets && body_class == BodyClass::sheet ? sheets->pillow : pillow; }

@@ -10,6 +10,9 @@
 namespace dragcore {
 
 class EdgeTable;
+namespace kernels {
+struct PackedSurface;
+}
 
 /// A planar patch: connected triangles in one plane, with the outline and moments that the note's pillow needs.
 struct Patch {
@@ -75,6 +78,8 @@ class Surface {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< centroid of the area [m]
   double radius = 0.0;                               ///< from `centre` to the farthest corner [m]
   BodyClass body_class = BodyClass::sheet;           ///< of the part with the largest area
+
+  std::shared_ptr<const kernels::PackedSurface> packed;  ///< all this as the kernels want it; null where the library has none
 
  private:
   void build(const Preparation& preparation);

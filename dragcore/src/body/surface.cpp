@@ -12,6 +12,7 @@
 #include "body/edges.hpp"
 #include "body/extents.hpp"
 #include "body/regions.hpp"
+#include "kernels/pack.hpp"
 
 namespace dragcore {
 
@@ -105,6 +106,7 @@ bool runs(const Vector3i& t, int from, int to) {
 Surface::Surface(const TriangleMesh& mesh, Sides asked) {
   if (asked == Sides::automatic) {
     build(prepare(mesh));
+    packed = kernels::pack(*this);
     return;
   }
   const MeshProperties found = inspect(mesh);
@@ -126,9 +128,13 @@ Surface::Surface(const TriangleMesh& mesh, Sides asked) {
     parts[0].volume = volume;
     find_classes();
   }
+  packed = kernels::pack(*this);
 }
 
-Surface::Surface(const Preparation& preparation) { build(preparation); }
+Surface::Surface(const Preparation& preparation) {
+  build(preparation);
+  packed = kernels::pack(*this);
+}
 
 void Surface::build(const Preparation& preparation) {
   report = preparation.report;

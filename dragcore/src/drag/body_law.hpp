@@ -83,6 +83,12 @@ class BodyLaw {
     }
   }
 
+  // What the flow and the body made of the law's numbers.
+  double base_suction() const { return active_.has<Effect::base_suction>() ? law_.base_suction * aspect_factor_ : 0.0; }
+  double shelter_rate() const { return sharpness_ > 0.0 ? shelter_ : 0.0; }
+  double sharpness() const { return sharpness_; }
+  double push() const { return push_; }
+  const Law& law() const { return law_; }
   double friction() const { return active_.has<Effect::friction>() ? law_.friction : 0.0; }
   bool feels_leeward() const { return active_.has<Effect::leeward_suction>() || (active_.has<Effect::recovery>() && push_ > 0.0); }
 

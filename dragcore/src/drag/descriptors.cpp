@@ -6,6 +6,7 @@
 #include <string>
 
 #include "drag/local_forces.hpp"
+#include "drag/silhouette.hpp"
 
 namespace dragcore {
 
@@ -19,11 +20,7 @@ namespace {
 class Silhouette {
  public:
   Silhouette(const Part& part, const Vector3d& direction) : part_(part) {
-    const double length = direction.norm();
-    if (!(length > 0.0)) return;
-    along_ = direction / length;
-    project_.row(0) = along_.unitOrthogonal().transpose();
-    project_.row(1) = along_.cross(Vector3d(project_.row(0).transpose())).transpose();
+    if (const double length = direction.norm(); length > 0.0) along_ = direction / length;
   }
 
   /// @param reached  share of the area that the flow reaches
@@ -32,44 +29,46 @@ class Silhouette {
     if (part_.two_sided) c = std::abs(c);
     if (!(c > 0.0)) return;
     const double weight = reached * area * c;
-    whole_ += area * c;
-    const Vector2d arm = project_ * (centroid - part_.centre);
-    frontal_ += weight;
-    sharp_ += weight * (c * c) * (c * c);
-    first_ += weight * arm;
-    second_ += weight * (project_ * second_moment * project_.transpose() + arm * arm.transpose());
+    const Vector3d arm = centroid - part_.centre;
+    sums_.whole += area * c;
+    sums_.frontal += weight;
+    sums_.sharp += weight * (c * c) * (c * c);
+    sums_.first += weight * arm;
+    sums_.second += weight * (second_moment + arm * arm.transpose());
   }
 
-  Descriptors result() const {
-    Descriptors result;
-    if (!(frontal_ > 0.0)) {
-      if (whole_ > 0.0) result.reached = 0.0;
-      return result;
-    }
-    result.frontal_area = frontal_;
-    result.reached = frontal_ / whole_;
-    // Finite even where a body a hair thick is seen edge-on; a sheet has none there either.
-    if (part_.volume > 0.0) result.depth = std::min(1e100, part_.volume / (frontal_ * std::sqrt(frontal_)));
-    result.sharpness = std::min(1.0, std::sqrt(std::sqrt(sharp_ / frontal_)));
-    const Vector2d first = first_ / frontal_;
-    const Matrix2d second = second_ / frontal_ - first * first.transpose();
-    // Principal radii of gyration of the silhouette; of a needle seen from the side the short one is rounding error and may even be
-    // negative.
-    const double mean = 0.5 * second.trace(), spread = std::hypot(0.5 * (second(0, 0) - second(1, 1)), second(0, 1));
-    result.aspect = std::sqrt((mean + spread) / std::max(mean - spread, 1e-8 * (mean + spread)));
-    return result;
-  }
+  Descriptors result() const { return descriptors_of(sums_, part_, along_); }
 
  private:
   const Part& part_;
   Vector3d along_ = Vector3d::Zero();
-  Eigen::Matrix<double, 2, 3> project_ = Eigen::Matrix<double, 2, 3>::Zero();
-  double frontal_ = 0.0, whole_ = 0.0, sharp_ = 0.0;
-  Vector2d first_ = Vector2d::Zero();
-  Matrix2d second_ = Matrix2d::Zero();  // about the part's centre
+  SilhouetteSums sums_;
 };
 
 }  // namespace
+
+Descriptors descriptors_of(const SilhouetteSums& sums, const Part& part, const Vector3d& direction) {
+  Descriptors result;
+  if (!(sums.frontal > 0.0)) {
+    if (sums.whole > 0.0) result.reached = 0.0;
+    return result;
+  }
+  result.frontal_area = sums.frontal;
+  result.reached = sums.frontal / sums.whole;
+  // Finite even where a body a hair thick is seen edge-on; a sheet has none there either.
+  if (part.volume > 0.0) result.depth = std::min(1e100, part.volume / (sums.frontal * std::sqrt(sums.frontal)));
+  result.sharpness = std::min(1.0, std::sqrt(std::sqrt(sums.sharp / sums.frontal)));
+  Eigen::Matrix<double, 2, 3> project;
+  project.row(0) = direction.unitOrthogonal().transpose();
+  project.row(1) = direction.cross(Vector3d(project.row(0).transpose())).transpose();
+  const Vector2d first = project * sums.first / sums.frontal;
+  const Matrix2d second = project * sums.second * project.transpose() / sums.frontal - first * first.transpose();
+  // Principal radii of gyration of the silhouette; of a needle seen from the side the short one is rounding error and may even be
+  // negative.
+  const double mean = 0.5 * second.trace(), spread = std::hypot(0.5 * (second(0, 0) - second(1, 1)), second(0, 1));
+  result.aspect = std::sqrt((mean + spread) / std::max(mean - spread, 1e-8 * (mean + spread)));
+  return result;
+}
 
 std::vector<Descriptors> describe_parts(const Surface& surface, const std::vector<Vector3d>& directions) {
   std::vector<Silhouette> seen;

@@ -6,6 +6,7 @@
 
 #include "drag/check.hpp"
 #include "drag/energy_balance.hpp"
+#include "drag/fast_wrench.hpp"
 #include "support/require.hpp"
 
 namespace dragcore {
@@ -16,7 +17,7 @@ void check_input(const Motion& motion, const Medium& medium, const Model& model)
   if (!model.check) return;
   const auto usable = [](const Vector3d& v, const char* name) {
     // Beyond 1e100 the square of the speed, times a density and an area of any size, leaves the range of numbers; sound is at 340 m/s.
-    require(v.allFinite() && v.cwiseAbs().maxCoeff() <= 1e100, std::string("wrench: motion.") + name, v,
+    require(v.allFinite() && v.cwiseAbs().maxCoeff() <= 1e100, [name] { return std::string("wrench: motion.") + name; }, v,
             "it must be finite, and below 1e100");
   };
   usable(motion.wind, "wind");
@@ -30,7 +31,7 @@ void check_input(const Motion& motion, const Medium& medium, const Model& model)
   const auto check_pillow = [](const Pillow& pillow) {
     const double largest = pillow.form == PillowForm::tilt ? 1.5 : 1.0;  // beyond, the tilt falloff would be negative on half the face
     require(pillow.factor >= 0.0 && pillow.factor <= largest, "wrench: pillow factor", pillow.factor,
-            "the form '" + to_string(pillow.form) + "' takes 0 to " + std::to_string(largest));
+            [&] { return "the form '" + to_string(pillow.form) + "' takes 0 to " + std::to_string(largest); });
   };
   check_pillow(model.pillow);
   const int points = static_cast<int>(model.quadrature);
@@ -45,7 +46,7 @@ void check_input(const Motion& motion, const Medium& medium, const Model& model)
 void check_input(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
   const auto given = motion.triangle_wind.size();
   require(given == 0 || given == static_cast<std::size_t>(surface.size()), "wrench: entries of motion.triangle_wind", given,
-          "the surface has " + std::to_string(surface.size()) + " triangles (degenerate ones are dropped)");
+          [&] { return "the surface has " + std::to_string(surface.size()) + " triangles (degenerate ones are dropped)"; });
   check_input(motion, medium, model);
 }
 
@@ -114,6 +115,11 @@ Model model_for(const Surface& surface) {
 
 WrenchByTerm wrench(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
   check_input(surface, motion, medium, model);
+  if (const std::optional<WrenchByTerm> fast = fast_wrench(surface, motion, medium, model)) {
+    const Wrench total = fast->total();
+    check_result(total.force.allFinite() && total.torque.allFinite(), model);
+    return *fast;
+  }
   WrenchByTerm taken, given;
   EnergyBalance balance;
   for_each_local_force(surface, motion, medium, model, [&](const LocalForce& local) {

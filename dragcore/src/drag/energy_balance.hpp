@@ -14,6 +14,7 @@ class EnergyBalance {
     const double power = local.force().dot(local.u);
     (local.coefficient.value < 0.0 ? given_ : taken_) += std::abs(power);
   }
+  void add(double taken, double given) { taken_ += taken, given_ += given; }
   bool has_gain() const { return given_ > 0.0; }
   /// Factor in [0, 1] on everything that gives: 1 - x^8/8 for little of it, never more than largest_gain * taken / given. Smooth.
   double gain_share() const {

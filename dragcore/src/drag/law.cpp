@@ -45,22 +45,21 @@ Law named_law(const std::string& name) {
 }
 
 void validate(const Law& law) {
-  const std::string prefix = "law '" + law.name + "': ";
-  for (const Law::Polynomial* polynomial : {&law.windward, &law.leeward})
-    for (const double coefficient : *polynomial)
-      require_finite(prefix + (polynomial == &law.windward ? "windward" : "leeward") + " coefficient", coefficient);
+  const auto named = [&law](const char* name) { return [&law, name] { return "law '" + law.name + "': " + name; }; };
+  for (const double coefficient : law.windward) require_finite(named("windward coefficient"), coefficient);
+  for (const double coefficient : law.leeward) require_finite(named("leeward coefficient"), coefficient);
   const auto at_least_zero = [&](const char* name, double value) {
-    require(value >= 0.0 && value < 1e6, prefix + name, value, "it must be from 0 to 1e6");
+    require(value >= 0.0 && value < 1e6, named(name), value, "it must be from 0 to 1e6");
   };
   const auto positive = [&](const char* name, double value) {
-    require(value > 0.0 && value < 1e6, prefix + name, value, "it must be greater than 0 and below 1e6");
+    require(value > 0.0 && value < 1e6, named(name), value, "it must be greater than 0 and below 1e6");
   };
   at_least_zero("friction", law.friction);
   at_least_zero("base_suction", law.base_suction);
   positive("base_edge", law.base_edge);
   at_least_zero("aspect_gain", law.aspect_gain);
   positive("aspect_scale", law.aspect_scale);
-  require(law.recovery >= 0.0 && law.recovery <= 1.0, prefix + "recovery", law.recovery, "it must be from 0 to 1");
+  require(law.recovery >= 0.0 && law.recovery <= 1.0, named("recovery"), law.recovery, "it must be from 0 to 1");
   positive("recovery_depth", law.recovery_depth);
   positive("recovery_edge", law.recovery_edge);
   at_least_zero("shelter", law.shelter);

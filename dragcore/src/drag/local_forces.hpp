@@ -69,7 +69,7 @@ inline std::vector<PartModel> part_models(const Surface& surface, const Motion& 
   for (std::size_t p = 0; p < count; ++p) {
     const BodyClass body_class = surface.parts[p].body_class;
     PartModel part{.law = BodyLaw(model.law_of(body_class), bodies[p], flow.directed(p), active[p]),
-                   .pillow = PillowShift(surface, flow, model.pillow_of(body_class), active[p].has<Effect::pillow>()),
+                   .pillow = PillowShift(surface, p, flow, model.pillow_of(body_class), active[p].has<Effect::pillow>()),
                    .directed = flow.directed(p)};
     if (surface.exposure && flow.directed(p) > 0.0) part.wind_from = surface.exposure->towards(-directions[p]);
     parts.push_back(std::move(part));

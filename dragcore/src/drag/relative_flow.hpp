@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "drag/active_effects.hpp"
+#include "support/cross_matrix.hpp"
 
 namespace dragcore {
 
@@ -16,21 +17,20 @@ class RelativeFlow {
         spin_(active.has<Effect::spin>()),
         per_triangle_(false),
         gradient_(false),
-        uniform_(motion.wind - motion.velocity),
-        centre_(surface.parts.size(), uniform_),
-        directed_(surface.parts.size(), 0.0) {
+        surface_(surface),
+        uniform_(motion.wind - motion.velocity) {
     if (active.has<Effect::wind_variation>()) {
       per_triangle_ = !motion.triangle_wind.empty();
       gradient_ = !per_triangle_ && !motion.wind_gradient.isZero(0.0);
     }
     if (per_triangle_) {
-      std::vector<Eigen::Vector3d> sum(surface.parts.size(), Eigen::Vector3d::Zero());
+      mean_.assign(surface.parts.size(), Eigen::Vector3d::Zero());
       for (Eigen::Index i = 0; i < surface.size(); ++i) {
         instrument::count(Effect::wind_variation);
-        sum[part_of(surface, i)] += surface.area[i] * motion.triangle_wind[static_cast<std::size_t>(i)];
+        mean_[part_of(surface, i)] += surface.area[i] * motion.triangle_wind[static_cast<std::size_t>(i)];
       }
-      for (std::size_t p = 0; p < centre_.size(); ++p)
-        if (surface.parts[p].area > 0.0) centre_[p] = sum[p] / surface.parts[p].area - motion.velocity;
+      for (std::size_t p = 0; p < mean_.size(); ++p)
+        mean_[p] = surface.parts[p].area > 0.0 ? Eigen::Vector3d(mean_[p] / surface.parts[p].area - motion.velocity) : uniform_;
     }
     // Of the relative flow: its rate of strain, and its turning. Air that turns with the body does not vary.
     Eigen::Vector3d turning = Eigen::Vector3d::Zero();
@@ -41,11 +41,6 @@ class RelativeFlow {
       variation_ = 0.5 * (G + G.transpose()).norm();
     }
     variation_ += turning.norm();
-    for (std::size_t p = 0; p < centre_.size(); ++p) {
-      centre_[p] = moved(centre_[p], surface.parts[p].centre);
-      const double travel = centre_[p].squaredNorm(), turned = variation_ * surface.parts[p].radius;
-      directed_[p] = travel > 0.0 ? travel / (travel + turned * turned) : 0.0;
-    }
   }
 
   static std::size_t part_of(const Surface& surface, Eigen::Index triangle) {
@@ -61,13 +56,25 @@ class RelativeFlow {
     return moved(per_triangle_ ? Eigen::Vector3d(motion_.triangle_wind[static_cast<std::size_t>(triangle)] - motion_.velocity) : uniform_,
                  r);
   }
-  const Eigen::Vector3d& at_centre(std::size_t part) const { return centre_[part]; }
+  Eigen::Vector3d at_centre(std::size_t part) const { return moved(per_triangle_ ? mean_[part] : uniform_, surface_.parts[part].centre); }
   /// A spinning body has no one direction of flow: what depends on it (descriptors, pillow, exposure) fades by this share as the spin takes
   /// over, and a tumbling body is left with the local terms. 1 without spin.
-  double directed(std::size_t part) const { return directed_[part]; }
+  double directed(std::size_t part) const {
+    const double travel = at_centre(part).squaredNorm(), turned = variation_ * surface_.parts[part].radius;
+    return travel > 0.0 ? travel / (travel + turned * turned) : 0.0;
+  }
+
+  /// Of the relative flow by place: (i, j) = d u_i / d x_j [1/s].
+  Eigen::Matrix3d gradient() const {
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    if (gradient_) sum = motion_.wind_gradient;
+    if (spin_) sum -= cross_matrix(motion_.angular_velocity);
+    return sum;
+  }
 
   /// Whether the velocity differs between the points of one triangle, and a bound of how much per metre.
   bool varies_on_triangles() const { return spin_ || gradient_; }
+  bool varies_by_triangle() const { return per_triangle_; }
   bool varies() const { return varies_on_triangles() || per_triangle_; }
   double variation_per_metre() const { return variation_; }
 
@@ -87,9 +94,9 @@ class RelativeFlow {
 
   const Motion& motion_;
   bool spin_, per_triangle_, gradient_;
+  const Surface& surface_;
   Eigen::Vector3d uniform_;
-  std::vector<Eigen::Vector3d> centre_;
-  std::vector<double> directed_;
+  std::vector<Eigen::Vector3d> mean_;  // over every part, of winds by triangle
   double variation_ = 0.0;
 };
 

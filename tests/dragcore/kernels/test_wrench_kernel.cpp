@@ -1,0 +1,199 @@
+// The kernels of Precision::single against the same sums in double precision, on every instruction set that this machine has.
+
+#include "kernels/wrench_kernel.hpp"
+
+#include <catch2/catch.hpp>
+#include <dragcore/preparation.hpp>
+
+#include "tests/dragcore/drag/hostile.hpp"
+
+using namespace dragcore;
+using Eigen::Vector3d;
+
+namespace {
+
+/// Float numbers are rounded to 6e-8, and between a velocity and a force lie some fifteen roundings, most of which fall on small parts.
+constexpr double tolerance = 1e-6;
+
+/// Every target in turn, and the best again at the end.
+template <class Check>
+void on_every_target(Check&& check) {
+  for (const std::string& target : kernels::targets()) {
+    kernels::force_target(target);
+    INFO("target " << target);
+    check();
+  }
+  kernels::force_target("");
+}
+
+Model in(Precision precision, Model model) {
+  model.precision = precision;
+  return model;
+}
+
+/// Every law with what the kernels know of pillows.
+std::vector<Model> models() {
+  std::vector<Model> list;
+  for (const Law& law : hostile::laws())
+    for (const Pillow& pillow : {Pillow{}, Pillow{PillowForm::tilt, 0.9}})
+      for (const Quadrature order : {Quadrature::one, Quadrature::three, Quadrature::six, Quadrature::adaptive})
+        list.push_back({.law = law, .pillow = pillow, .quadrature = order});
+  return list;
+}
+
+/// Straight, spinning, in wind that varies smoothly, and in winds triangle by triangle: `winds` is where those are kept.
+std::vector<Motion> motions(zoo::Random& random, const Surface& surface, std::vector<Vector3d>& winds) {
+  Motion straight{.wind = random.vector(5.0), .velocity = random.vector(5.0), .reference_point = random.vector(0.5)};
+  Motion spinning = straight, varied = straight, gusty = straight;
+  spinning.angular_velocity = random.vector(std::exp(random.uniform(-5.0, 4.0)));
+  varied.wind_gradient = random.rotation() * random.uniform(-3.0, 3.0);
+  winds.clear();
+  for (Eigen::Index i = 0; i < surface.size(); ++i) winds.push_back(random.vector(4.0));
+  gusty.triangle_wind = winds;
+  Motion all = gusty;
+  all.angular_velocity = random.vector(3.0);
+  return {straight, spinning, varied, gusty, all};
+}
+
+void check_against_double(const Surface& surface, const Motion& motion, const Model& model) {
+  const WrenchByTerm exact = wrench(surface, motion, {}, in(Precision::full, model)),
+                     fast = wrench(surface, motion, {}, in(Precision::single, model));
+  const double force = hostile::force_scale(surface, motion, Medium{}.density), torque = force * hostile::arm_scale(surface, motion);
+  for (std::size_t term = 0; term < exact.terms.size(); ++term) {
+    INFO("law " << model.law.name << ", pillow " << to_string(model.pillow.form) << ", points " << static_cast<int>(model.quadrature) << ", "
+                << to_string(static_cast<Term>(term)));
+    CHECK((fast.terms[term].force - exact.terms[term].force).norm() <= tolerance * force);
+    CHECK((fast.terms[term].torque - exact.terms[term].torque).norm() <= tolerance * torque);
+  }
+}
+
+/// A box, a cone and a sheet apart: three parts, two laws.
+Surface three_parts() {
+  const TriangleMesh box = triangulate(Box{.length = 1.0, .width = 0.7, .height = 0.5}, 3), cone = triangulate(Cone{}, 2),
+                     sheet = triangulate(Plate{.chord = 0.5, .span = 2.0, .thickness = 0.0}, 3);
+  TriangleMesh all = box;
+  for (const auto& [mesh, place] : {std::pair(cone, Vector3d(0, 3, 0)), std::pair(sheet, Vector3d(3, 0, 0))}) {
+    const auto first = static_cast<int>(all.vertices.size());
+    for (const Vector3d& corner : mesh.vertices) all.vertices.push_back(corner + place);
+    for (const Eigen::Vector3i& t : mesh.triangles) all.triangles.emplace_back(t + Eigen::Vector3i::Constant(first));
+  }
+  return Surface(all);
+}
+
+/// With a share of the wind for every triangle and direction: of no body that there is, but of no symmetry either.
+Surface sheltered(zoo::Random& random) {
+  Preparation body = prepare(triangulate(Box{.length = 2.0}, 3));
+  auto exposure = std::make_shared<Exposure>();
+  exposure->directions = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  for (const int x : {0, 1})
+    for (const int y : {2, 3})
+      for (const int z : {4, 5}) exposure->cells.emplace_back(x, y, z);
+  exposure->reached.resize(static_cast<Eigen::Index>(body.mesh.triangles.size()), 6);
+  for (auto& share : exposure->reached.reshaped()) share = static_cast<std::uint8_t>(random.uniform(0.0, 255.0));
+  body.exposure = exposure;
+  body.exposed = true;
+  return Surface(body);
+}
+
+}  // namespace
+
+TEST_CASE("the kernels give every term of the wrench within single precision", "[kernels][backend]") {
+  zoo::Random random(31);
+  std::vector<Surface> surfaces{three_parts(), sheltered(random)};
+  for (const Shape& shape : zoo::shapes()) surfaces.push_back(zoo::surface(shape, 3));
+  surfaces.push_back(zoo::surface(Sphere{}, 12));  // more than one block of triangles
+  std::vector<Vector3d> winds;
+  const std::vector<Model> all_models = models();
+  on_every_target([&] {
+    for (const Surface& surface : surfaces) {
+      const std::vector<Motion> all_motions = motions(random, surface, winds);
+      for (std::size_t k = 0; k < all_motions.size(); ++k) {
+        INFO("motion " << k << ", " << surface.size() << " triangles, " << surface.parts.size() << " parts");
+        // One model of eight for each motion: every pair comes up on one body or another.
+        for (std::size_t m = k; m < all_models.size(); m += 3) check_against_double(surface, all_motions[k], all_models[m]);
+        check_against_double(surface, all_motions[k], model_for(surface));
+      }
+    }
+  });
+}
+
+TEST_CASE("vectors of 16 and of 8 give the same bits", "[kernels][backend]") {
+  const std::vector<std::string> targets = kernels::targets();
+  const auto has = [&](const char* name) { return std::find(targets.begin(), targets.end(), name) != targets.end(); };
+  if (!has("AVX3") || !has("AVX2")) {
+    WARN("this machine has no two sets of vectors with fused products: nothing to compare");
+    return;
+  }
+  zoo::Random random(32);
+  std::vector<Surface> surfaces{three_parts(), sheltered(random), zoo::surface(Sphere{}, 12), zoo::surface(Plate{.thickness = 0.0}, 4)};
+  std::vector<Vector3d> winds;
+  for (const Surface& surface : surfaces)
+    for (const Motion& motion : motions(random, surface, winds))
+      for (const Model& model : models()) {
+        kernels::force_target("AVX3");
+        const WrenchByTerm wide = wrench(surface, motion, {}, in(Precision::single, model));
+        kernels::force_target("AVX2");
+        const WrenchByTerm narrow = wrench(surface, motion, {}, in(Precision::single, model));
+        for (std::size_t term = 0; term < wide.terms.size(); ++term) {
+          CHECK(wide.terms[term].force == narrow.terms[term].force);
+          CHECK(wide.terms[term].torque == narrow.terms[term].torque);
+        }
+      }
+  kernels::force_target("");
+}
+
+TEST_CASE("what the kernels do not know is summed in double precision", "[kernels]") {
+  const Surface surface = zoo::surface(Box{}, 2);
+  const Motion motion{.velocity = {-10, 1, 2}, .angular_velocity = {1, 2, 3}};
+  Law changing = note_law();
+  changing.windward = {0.0, 1.0, -1.5, 0.0, 0.0};  // below zero from c = 2/3
+  for (const Model& model : {Model{.pillow = {PillowForm::patch, 0.9}}, Model{.pillow = {PillowForm::triangle, 0.9}}, Model{.law = changing}}) {
+    const Wrench exact = wrench(surface, motion, {}, in(Precision::full, model)).total(),
+                 asked = wrench(surface, motion, {}, in(Precision::single, model)).total();
+    CHECK(asked.force == exact.force);
+    CHECK(asked.torque == exact.torque);
+  }
+}
+
+TEST_CASE("the kernels stand every hard case: finite, no power gained, as in double precision", "[kernels][hard][property]") {
+  for (unsigned seed = 1; seed <= 4000 / hostile::sanitizer_divisor; ++seed) {
+    INFO("seed " << seed);
+    zoo::Random random(seed);
+    const hostile::Body body = hostile::body(random, true);
+    const Surface surface = body.surface();
+    const Motion motion = hostile::motion(random);
+    Model model = hostile::model(random, false, true);
+    model.pillow = seed % 2 == 0 ? Pillow{} : Pillow{PillowForm::tilt, 1.4};
+    if (seed % 3 == 0) model = model_for(surface);
+    const Wrench fast = wrench(surface, motion, {}, in(Precision::single, model)).total(),
+                 exact = wrench(surface, motion, {}, in(Precision::full, model)).total();
+    const double force = hostile::force_scale(surface, motion, Medium{}.density), torque = force * hostile::arm_scale(surface, motion);
+    REQUIRE(fast.force.allFinite());
+    REQUIRE(fast.torque.allFinite());
+    // Slivers turn their normals by rounding, and a triangle edge-on may fall on either side: ten times the tolerance of well shaped bodies.
+    CHECK((fast.force - exact.force).norm() <= 10.0 * tolerance * force);
+    CHECK((fast.torque - exact.torque).norm() <= 10.0 * tolerance * torque);
+    const double power = fast.force.dot(motion.velocity - motion.wind) + fast.torque.dot(motion.angular_velocity);
+    if (model.effects.has(Effect::spin))  // without it the points move as if the body did not turn
+      CHECK(power <= tolerance * force * ((motion.velocity - motion.wind).norm() + motion.angular_velocity.norm() * hostile::arm_scale(surface, motion)));
+  }
+}
+
+TEST_CASE("the kernels work at any size and speed", "[kernels][hard]") {
+  const Model model = model_for(zoo::surface(Box{}, 2));
+  const Motion motion{.velocity = {-10, 1, 2}, .angular_velocity = {1, 2, 3}};
+  const Wrench one = wrench(zoo::surface(Box{}, 2), motion, {}, in(Precision::single, model)).total();
+  for (const double size : {1e-9, 1e9})
+    for (const double speed : {1e-30, 1e30}) {
+      Motion scaled{.velocity = speed * motion.velocity, .angular_velocity = speed / size * motion.angular_velocity};
+      const Surface surface = zoo::surface(Box{.length = size, .width = size, .height = size}, 2);
+      const Wrench other = wrench(surface, scaled, {}, in(Precision::single, model)).total();
+      const double scale = speed * speed * size * size;
+      CHECK((other.force / scale - one.force).norm() <= tolerance * one.force.norm());
+      CHECK((other.torque / (scale * size) - one.torque).norm() <= tolerance * one.force.norm());
+    }
+  // At rest in still air, and with nothing there.
+  CHECK(wrench(zoo::surface(Box{}, 2), {}, {}, in(Precision::single, model)).total().force == Vector3d::Zero());
+  CHECK(wrench(Surface(TriangleMesh{}), motion, {}, in(Precision::single, model)).total().force == Vector3d::Zero());
+  CHECK_THROWS_AS(wrench(zoo::surface(Box{}, 2), Motion{.velocity = {std::nan(""), 0, 0}}, {}, in(Precision::single, model)), std::invalid_argument);
+}
