@@ -77,8 +77,9 @@ inline constexpr double largest_gain = 0.95;
 /// @throws std::invalid_argument  if density is negative, the pillow factor is out of range, the law is not valid, `triangle_wind` has not
 /// one entry per
 ///                                triangle, or anything is not finite: value found, value needed (unless Model::check is off)
-/// @accuracy      within 1e-12 of reference::wrench (tests/dragcore/drag/test_drag.cpp); one point per triangle is exact for motion without
-/// spin
+/// @accuracy      within 1e-12 of reference::wrench (tests/dragcore/drag/test_drag.cpp), or 1e-6 of the sum of magnitudes in
+/// Precision::single
+///                (tests/dragcore/kernels/test_wrench_kernel.cpp); one point per triangle is exact for motion without spin
 /// @source        [toskan2020] sec. 2 and 2.1; differs: leeward faces never feel windward pressure, spin by quadrature instead of a
 /// separate law
 WrenchByTerm wrench(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model);
@@ -114,7 +115,7 @@ std::optional<Eigen::Vector3d> centre_of_pressure(const LineOfAction& line, cons
 Pillow class_pillow(BodyClass body_class);
 
 /// law_for() and class_pillow() of the surface's classes, sheets and bodies apart where it has both: what validation found best. See README
-/// for its errors.
+/// for its errors. In single precision, whose error is a ten-thousandth of the law's.
 Model model_for(const Surface& surface);
 
 namespace reference {

@@ -108,7 +108,7 @@ Model model_for(const Surface& surface) {
                        [sheet](const Part& p) { return (p.body_class == BodyClass::sheet) == sheet; });
   };
   const BodyClass main = has(false) ? BodyClass::sharp : BodyClass::sheet;  // sharp and smooth bodies share a law
-  Model model{.law = law_for(main), .pillow = class_pillow(main)};
+  Model model{.law = law_for(main), .pillow = class_pillow(main), .precision = Precision::single};
   if (has(false) && has(true)) model.sheets = SheetModel{law_for(BodyClass::sheet), class_pillow(BodyClass::sheet)};
   return model;
 }
