@@ -16,7 +16,6 @@ MeshFile read_obj(std::string_view bytes);
 /// else by cutting off ears. Where there is no ear, because edges cross or all lies on a line, what is left becomes a fan too. Time grows
 /// with the corners times those of them that are not convex.
 /// @param corners  indices into `vertices`, at least three
-void split_polygon(const std::vector<Eigen::Vector3d>& vertices, std::span<const int> corners,
-                   std::vector<Eigen::Vector3i>& triangles);
+void split_polygon(const std::vector<Eigen::Vector3d>& vertices, std::span<const int> corners, std::vector<Eigen::Vector3i>& triangles);
 
 }  // namespace dragcore

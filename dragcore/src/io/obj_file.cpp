@@ -53,8 +53,9 @@ struct Ignored {
   void add(std::size_t line) {
     if (count++ == 0) first_line = line;
   }
-  void note(const std::string& what, std::vector<std::string>& notes) const {
-    if (count > 0) notes.push_back(std::to_string(count) + " " + what + ", the first in line " + std::to_string(first_line));
+  void note(const std::string& what, const std::string& consequence, std::vector<std::string>& notes) const {
+    if (count > 0)
+      notes.push_back(what + ": " + std::to_string(count) + ", the first in line " + std::to_string(first_line) + ", " + consequence);
   }
 };
 
@@ -80,14 +81,13 @@ MeshFile read_obj(std::string_view bytes) {
     if (kind != "v" && kind != "f") continue;
     words.clear();
     for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) words.push_back(word);
-    const auto wrong = [&](const std::string& fault) {
-      throw std::runtime_error("line " + std::to_string(lines.number()) + ": " + fault);
-    };
+    const auto wrong = [&](const std::string& fault) { throw std::runtime_error("line " + std::to_string(lines.number()) + ": " + fault); };
     if (kind == "v") {
       if (words.size() < 3) wrong("a vertex has " + std::to_string(words.size()) + " coordinates; needed: three");
       const auto number = [&](std::size_t i, const char* what) {
         const std::optional<double> value = number_of<double>(words[i]);
-        if (!value || !std::isfinite(*value)) wrong(std::string(what) + " of a vertex is " + quoted(words[i]) + "; needed: a finite number");
+        if (!value || !std::isfinite(*value))
+          wrong(std::string(what) + " of a vertex is " + quoted_bytes(words[i]) + "; needed: a finite number");
         return *value;
       };
       Eigen::Vector3d vertex;
@@ -103,7 +103,7 @@ MeshFile read_obj(std::string_view bytes) {
       const auto count = static_cast<long long>(vertices.size());
       for (const std::string_view word : words) {
         const std::optional<int> given = number_of<int>(word.substr(0, word.find('/')));
-        if (!given) wrong("a corner of a face is " + quoted(word) + "; needed: the number of a vertex");
+        if (!given) wrong("a corner of a face is " + quoted_bytes(word) + "; needed: the number of a vertex");
         const long long index = *given < 0 ? count + *given : *given - 1LL;  // negative ones count back from the last vertex so far
         if (index < 0) wrong("a face refers to vertex " + std::to_string(*given) + ", of " + std::to_string(count) + " so far");
         corners.push_back(static_cast<int>(index));
@@ -118,9 +118,9 @@ MeshFile read_obj(std::string_view bytes) {
                                ", but there are " + std::to_string(vertices.size()));
     split_polygon(vertices, face, file.mesh.triangles);
   }
-  weights.note("vertices have a weight w, which only curves know: it is ignored and x, y, z are taken as written", file.notes);
-  short_faces.note("faces of fewer than three corners are left out", file.notes);
-  curved_surfaces.note("curved surfaces ('surf') are left out: export polygons", file.notes);
+  weights.note("vertices with a weight w", "ignored, for it matters to curves alone: x, y, z are taken as written", file.notes);
+  short_faces.note("faces of fewer than three corners", "left out", file.notes);
+  curved_surfaces.note("curved surfaces ('surf')", "left out: export polygons", file.notes);
   return file;
 }
 

@@ -41,10 +41,10 @@ std::uintmax_t promised_bytes(std::string_view bytes) { return header_bytes + tr
 /// Bytes behind the last triangle: some programs fill their files up to whole blocks.
 void note_tail(std::string_view tail, std::uint32_t count, std::vector<std::string>& notes) {
   if (tail.empty()) return;
-  std::string note = std::to_string(tail.size()) + " bytes after the last of its " + std::to_string(count) + " triangles are ignored";
+  std::string note = "bytes after the last of its " + std::to_string(count) + " triangles: " + std::to_string(tail.size()) + ", ignored";
   if (tail.size() % triangle_bytes == 0 && tail.find_first_not_of('\0') != std::string_view::npos)
-    note += "; they could be " + std::to_string(tail.size() / triangle_bytes) +
-            " triangles more: if some are missing, the count in its header is wrong";
+    note += ". They have the size of whole triangles, " + std::to_string(tail.size() / triangle_bytes) +
+            ": if some are missing, the count in its header is wrong";
   notes.push_back(std::move(note));
 }
 
@@ -124,10 +124,10 @@ MeshFile read_ascii(std::string_view text) {
   const auto wrong = [&](std::string_view found, const std::string& needed) {
     const std::string line = "line " + std::to_string(words.line()) + ": ";
     if (found.empty()) fail(line + "truncated: the file ends where " + needed + " is needed. Export it again");
-    fail(line + quoted(found) + " where " + needed + " is needed");
+    fail(line + quoted_bytes(found) + " where " + needed + " is needed");
   };
   const auto expect = [&](std::string_view keyword) {
-    if (const std::string_view found = words.next(); !is(found, keyword)) wrong(found, quoted(keyword));
+    if (const std::string_view found = words.next(); !is(found, keyword)) wrong(found, quoted_bytes(keyword));
   };
   std::size_t solids = 0, line_outside = 0;
   bool in_solid = false;
@@ -164,8 +164,8 @@ MeshFile read_ascii(std::string_view text) {
   }
   if (in_solid) wrong({}, "'facet' or 'endsolid'");
   if (solids == 0) fail("is text in which no line begins with 'solid'; it is no STL file");
-  if (solids > 1) file.notes.push_back(std::to_string(solids) + " solids are read as one mesh");
-  if (line_outside > 0) file.notes.push_back("text outside of its solids is ignored, line " + std::to_string(line_outside));
+  if (solids > 1) file.notes.push_back("solids: " + std::to_string(solids) + ", read as one mesh");
+  if (line_outside > 0) file.notes.push_back("text outside of its solids, the first in line " + std::to_string(line_outside) + ", ignored");
   return file;
 }
 
