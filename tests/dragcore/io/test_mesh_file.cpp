@@ -2,11 +2,16 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <cctype>
 #include <dragcore/mesh_file.hpp>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
+#include <sstream>
+#include <string_view>
 #include <thread>
 
 #include "tests/support/zoo.hpp"
@@ -28,17 +33,48 @@ struct Folder {
   }
 };
 
-std::string ascii_stl(const TriangleMesh& mesh) {
-  std::ostringstream out;
-  out << "solid thing\n";
-  for (const auto& t : mesh.triangles) {
-    out << "facet normal 0 0 0\n outer loop\n";
-    for (const int i : t) out << "  vertex " << mesh.vertices[i].transpose() << "\n";
-    out << " endloop\nendfacet\n";
+/// The cube of side 1 in a dialect of ascii STL.
+struct Ascii {
+  std::string name = "body", before = "", indent = "", line_end = "\n", end_name = "body", after = "";
+  bool capitals = false;
+  TriangleMesh mesh = triangulate(Box{}, 1);
+
+  std::string text() const {
+    std::ostringstream out;
+    out.precision(17);
+    out << before << "solid " << name << "\n";
+    for (const auto& t : mesh.triangles) {
+      out << indent << "facet normal 0 0 0\n outer loop\n";
+      for (const int i : t) out << "  vertex " << mesh.vertices[static_cast<std::size_t>(i)].transpose() << "\n";
+      out << " endloop\nendfacet\n";
+    }
+    out << "endsolid " << end_name << "\n" << after;
+    std::string result = out.str();
+    if (capitals) std::transform(result.begin(), result.end(), result.begin(), [](unsigned char c) { return std::toupper(c); });
+    for (std::size_t at = 0; line_end != "\n" && (at = result.find('\n', at)) != std::string::npos; at += line_end.size())
+      result.replace(at, 1, line_end);
+    return result;
   }
-  out << "endsolid thing\n";
-  return out.str();
+};
+
+/// The cube of side 1 in binary STL.
+std::string binary_stl(const Folder& folder, const std::string& header, const std::string& tail) {
+  write_stl(folder.path / "plain.stl", triangulate(Box{}, 1));
+  std::ifstream in(folder.path / "plain.stl", std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  return bytes.replace(0, header.size(), header) + tail;
 }
+
+void check_cube(const fs::path& file, double side = 1.0) {
+  INFO(file);
+  const MeshProperties found = inspect(read_mesh(file));
+  CHECK(found.closed);
+  CHECK(found.triangles == 12);
+  CHECK_THAT(found.area, WithinRel(6.0 * side * side, 1e-15));  // its corners are exact numbers
+  CHECK_THAT(found.volume, WithinRel(side * side * side, 1e-15));
+}
+
+using Notes = std::vector<std::string>;
 
 }  // namespace
 
@@ -47,7 +83,7 @@ TEST_CASE("a mesh comes back from STL and OBJ files with its area, volume and to
   const TriangleMesh cone = triangulate(Cone{}, 6);
   const MeshProperties exact = inspect(cone);
   SECTION("binary STL") { write_stl(folder.path / "cone.stl", cone); }
-  SECTION("ascii STL") { folder.write("cone.stl", ascii_stl(cone)); }
+  SECTION("ascii STL") { folder.write("cone.stl", Ascii{.mesh = cone}.text()); }
   const MeshProperties found = inspect(read_mesh(folder.path / "cone.stl"));
   CHECK(found.closed);
   CHECK(found.consistently_wound);
@@ -72,25 +108,14 @@ TEST_CASE("a damaged mesh file is refused with its name and its fault", "[mesh][
   const Folder folder;
   CHECK_THROWS_WITH(read_mesh(folder.path / "absent.stl"), Catch::Contains("absent.stl") && Catch::Contains("no such file"));
   CHECK_THROWS_WITH(read_mesh(folder.write("thing.step", "ISO-10303")), Catch::Contains("unknown kind '.step'"));
-  CHECK_THROWS_WITH(read_mesh(folder.write("short.stl", "abc")), Catch::Contains("only 3 bytes"));
+  CHECK_THROWS_WITH(read_mesh(folder.write("short.stl", "abc")), Catch::Contains("no line begins with 'solid'"));
+  CHECK_THROWS_WITH(read_mesh(folder.write("short.stl", std::string("\1\0\2", 3))), Catch::Contains("only 3 bytes"));
   CHECK_THROWS_WITH(read_mesh(folder.write("empty.obj", "v 0 0 0\n")), Catch::Contains("empty.obj"));
   write_stl(folder.path / "cut.stl", triangulate(Box{}, 2));
   fs::resize_file(folder.path / "cut.stl", fs::file_size(folder.path / "cut.stl") - 30);
   CHECK_THROWS_WITH(read_mesh(folder.path / "cut.stl"), Catch::Contains("truncated") && Catch::Contains("48 triangles"));
-  const auto text = ascii_stl(triangulate(Box{}, 1));
+  const auto text = Ascii{}.text();
   CHECK_THROWS_WITH(read_mesh(folder.write("cut_ascii.stl", text.substr(0, text.size() / 2))), Catch::Contains("cut_ascii.stl"));
-  std::string typo = text + ascii_stl(triangulate(Box{}, 12));
-  typo.replace(typo.find("facet normal"), 12, "fzcet nxrmal");
-  std::string message;
-  try {
-    read_mesh(folder.write("typo.stl", typo));
-  } catch (const std::exception& error) {
-    message = error.what();
-  }
-  CHECK(message.size() < 500);  // the importer quotes the rest of the file
-  std::string poisoned = text;
-  poisoned.replace(poisoned.find("vertex ") + 7, 4, "nan ");
-  CHECK_THROWS_WITH(read_mesh(folder.write("nan.stl", poisoned)), Catch::Contains("nan.stl"));
 }
 
 TEST_CASE("an OBJ file that names another file does not make the reader open it", "[mesh][io][hard][regression]") {
@@ -118,7 +143,8 @@ TEST_CASE("of an OBJ file only vertices and faces count, however they are writte
   for (const std::string& text : {corners + "f 1 2 3", corners + "f -3 -2 -1\r\n", "f 1 2 3\n" + corners, corners + "f 1 \\\n 2 \\\r\n3\n",
                                   corners + "vt 0 0\nvn 0 0 1\no thing\ng a b\nusemtl red\ns off\nf 1/1/1 2//1 3/1\nl 1 2 3\np 1\nf 1 2\n",
                                   std::string("# comment\nv 0 0 0 1 0 0\nv +2.0e0 0 0 0.5 1 1\n\tv 0 2 0 0 0 1\nf 1 2 3"),  // colours
-                                  std::string("v 0 0 0 1\nv 4 0 0 2\nv 0 1 0 0.5\nf 1 2 3")}) {                             // weights
+                                  std::string("v 0 0 0 1\nv 4 0 0 2\nv 0 1 0 0.5\nf 1 2 3"),                                // weights
+                                  "\xEF\xBB\xBF" + corners + "f 1 2 3 # a comment", std::string("v 0 0 0\rv 2 0 0\rv 0 2 0\rf 1 2 3\r")}) {
     INFO(text);
     CHECK(area(text) == 2.0);
   }
@@ -186,9 +212,255 @@ TEST_CASE("an OBJ file whose numbers do not fit each other is refused with line,
   refused("v 0 0 1x\nf 1 1 1", "line 1: a coordinate of a vertex is '1x'; needed: a finite number");
   refused("v 0 nan 0\nf 1 1 1", "is 'nan'; needed: a finite number");
   refused("v 0 0 -1e309\nf 1 1 1", "is '-1e309'; needed: a finite number");
-  refused("v 0 0 1 0\nf 1 1 1", "line 1: the weight of a vertex is 0");
-  refused("v 0 0 1e308 1e-3\nf 1 1 1", "coordinates must be finite");
-  std::string polygon = corners + "f";
-  for (int i = 0; i < 2001; ++i) polygon += " 1";
-  refused(polygon, "line 4: a face has 2001 corners; needed: no more than 2000");
+  refused("v 0 0 1 w\nf 1 1 1", "line 1: the weight of a vertex is 'w'; needed: a finite number");
+  refused("v 0 0 \x1b[31m\nf 1 1 1", R"(line 1: a coordinate of a vertex is '\x1b[31m'; needed: a finite number)");
+  refused("v 0 0 '\\'\nf 1 1 1", R"(is '\'\\\'')");
+  refused("v 0 0 " + std::string(5000, 'x') + "\nf 1 1 1", "line 1: a coordinate of a vertex is '" + std::string(40, 'x') + "…'; needed");
+  refused(std::string("\xFF\xFEv\0 \0", 6), "is text in UTF-16; save it as UTF-8 or ASCII");
+  refused(std::string("v\0 \0", 4), "is text in UTF-16");
+  refused(std::string("\0v\0 ", 4), "is text in UTF-16");
+  CHECK_THROWS_WITH(read_mesh(folder.write("large.obj", "v 0 0 1e308\nf 1 1 1"), 10.0), Catch::Contains("coordinates must be finite"));
+  CHECK_THROWS_WITH(read_mesh(folder.path / "large.obj", 0.0), Catch::Contains("unit_m = 0.0"));
+}
+
+TEST_CASE("the same cube in every dialect of ascii STL is the same cube", "[mesh][io][regression]") {
+  const Folder folder;
+  const Ascii cases[] = {{},
+                         {.capitals = true},
+                         {.before = "\n"},
+                         {.before = "\xEF\xBB\xBF"},
+                         {.before = "  "},
+                         {.before = "\xEF\xBB\xBF \r\n\t"},
+                         {.name = "part_" + std::string(250, 'x')},
+                         {.name = ""},
+                         {.name = "facet normal endsolid"},
+                         {.name = "K\xC3\xB6rper"},
+                         {.line_end = "\r\n", .end_name = ""},
+                         {.line_end = "\r"},
+                         {.indent = "\t"}};
+  for (const Ascii& test : cases) {
+    INFO(test.text().substr(0, 80));
+    const fs::path file = folder.write("cube.stl", test.text());
+    check_cube(file);
+    CHECK(read_mesh_file(file).notes.empty());
+  }
+  // What is left out is said.
+  const fs::path comment = folder.write("cube.stl", Ascii{.after = "; exported " + std::string(220, '-')}.text());
+  check_cube(comment);
+  CHECK(read_mesh_file(comment).notes == Notes{"text outside of its solids, the first in line 87, ignored"});
+  // The normal is of no account, nor whether it is there.
+  std::string without_normals = Ascii{}.text();
+  for (std::size_t at; (at = without_normals.find(" normal 0 0 0")) != std::string::npos;) without_normals.erase(at, 13);
+  check_cube(folder.write("cube.stl", without_normals));
+  std::string undefined_normals = Ascii{}.text();
+  for (std::size_t at; (at = undefined_normals.find("0 0 0\n outer")) != std::string::npos;)
+    undefined_normals.replace(at, 5, "nan -nan(ind) nan");
+  check_cube(folder.write("cube.stl", undefined_normals));
+
+  TriangleMesh first = triangulate(Box{}, 1), second = first;
+  first.triangles.resize(5);
+  second.triangles.erase(second.triangles.begin(), second.triangles.begin() + 5);
+  const fs::path two = folder.write("cube.stl", Ascii{.mesh = first}.text() + Ascii{.name = "lid", .mesh = second}.text());
+  check_cube(two);
+  CHECK(read_mesh_file(two).notes == Notes{"solids: 2, read as one mesh"});
+}
+
+TEST_CASE("ascii STL keeps the double precision of its text", "[mesh][io][analytic][regression]") {
+  // A ball of diameter 1 at map coordinates, where a float's step is 0.03 to 0.5 m: its triangles once came back with areas of 3.8 and 0.
+  const Folder folder;
+  TriangleMesh ball;  // a UV sphere of 16 by 32
+  const auto place = [](int i, int j) {
+    const double polar = std::numbers::pi * i / 16, around = 2.0 * std::numbers::pi * (j % 32) / 32;
+    const double ring = i % 16 == 0 ? 0.0 : 0.5 * std::sin(polar);
+    return Eigen::Vector3d(512345.3 + ring * std::cos(around), 4123456.7 + ring * std::sin(around), 312.6 + 0.5 * std::cos(polar));
+  };
+  const auto add = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+    const auto n = static_cast<int>(ball.vertices.size());
+    ball.vertices.insert(ball.vertices.end(), {a, b, c});
+    ball.triangles.emplace_back(n, n + 1, n + 2);
+  };
+  for (int i = 0; i < 16; ++i)
+    for (int j = 0; j < 32; ++j) {
+      if (i < 15) add(place(i, j), place(i + 1, j), place(i + 1, j + 1));
+      if (i > 0) add(place(i, j), place(i + 1, j + 1), place(i, j + 1));
+    }
+  const TriangleMesh read = read_mesh(folder.write("utm.stl", Ascii{.mesh = ball}.text()));
+  CHECK(read.vertices == welded(ball).vertices);
+  const MeshProperties found = inspect(read);
+  CHECK(found.closed);
+  CHECK(found.degenerate == 0);
+  CHECK_THAT(found.area, Catch::Matchers::WithinAbs(3.1164, 5e-5));  // the digits of the value known
+}
+
+TEST_CASE("binary STL is known by its size, whatever its header and its end say", "[mesh][io][regression]") {
+  const Folder folder;
+  const auto read = [&](const std::string& header, const std::string& tail) {
+    const fs::path file = folder.write("cube.stl", binary_stl(folder, header, tail));
+    check_cube(file);
+    return read_mesh_file(file).notes;
+  };
+  CHECK(read("own test", "").empty());
+  CHECK(read("solid cube facet normal", "").empty());
+  CHECK(read("\xFF\xFE", "").empty());  // not the mark of UTF-16
+  CHECK(read("", "\n") == Notes{"bytes after the last of its 12 triangles: 1, ignored"});
+  CHECK(read("", std::string(340, '\0')) == Notes{"bytes after the last of its 12 triangles: 340, ignored"});
+  CHECK(read("solid cube facet normal", "\n") == Notes{"bytes after the last of its 12 triangles: 1, ignored"});
+  CHECK(read("", std::string(100, '\0')) == Notes{"bytes after the last of its 12 triangles: 100, ignored"});
+  CHECK(read("", std::string(100, 'x')) == Notes{"bytes after the last of its 12 triangles: 100, ignored. They have the size of whole "
+                                                 "triangles, 2: if some are missing, the count in its header is wrong"});
+}
+
+TEST_CASE("an STL file that is cut, foreign or wrong is refused with line or triangle, value found and value needed",
+          "[mesh][io][hard][regression]") {
+  const Folder folder;
+  const auto refused = [&](const std::string& bytes, const std::string& what) {
+    INFO(bytes.substr(0, 200));
+    std::string message;
+    try {
+      read_mesh(folder.write("bad.stl", bytes));
+    } catch (const std::runtime_error& fault) {
+      message = fault.what();
+    }
+    CHECK_THAT(message, Catch::Contains("bad.stl: ") && Catch::Contains(what));
+    CHECK(message.size() < 300);
+  };
+  const std::string text = Ascii{}.text(), large = text + Ascii{.mesh = triangulate(Box{}, 12)}.text();
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string result = large;
+    return result.replace(result.find(from), from.size(), to);
+  };
+  refused("", "is empty");
+  refused(changed("facet normal", "fzcet nxrmal"), "line 2: 'fzcet' where 'facet' or 'endsolid' is needed");
+  refused(changed("outer", "inner"), "line 3: 'inner' where 'outer' is needed");
+  refused(changed("loop", "spool"), "line 3: 'spool' where 'loop' is needed");
+  refused(changed("vertex", "vortex"), "line 4: 'vortex' where 'vertex' is needed");
+  refused(changed("vertex ", "vertex nan "), "line 4: 'nan' where a coordinate, a finite number, is needed");
+  refused(changed("vertex ", "vertex 1,5 "), "line 4: '1,5' where a coordinate");
+  refused(changed("vertex ", "vertex \x1b[2J "), R"(line 4: '\x1b[2J' where a coordinate)");
+  refused(changed("vertex ", "vertex 1e999 "), "line 4: '1e999' where a coordinate");
+  refused(changed("vertex ", "vertex 1 "), "line 4: '-0.5' where 'vertex' is needed");
+  refused(changed(" endloop\n", "  vertex 0 0 0\n endloop\n"), "line 7: 'vertex' where 'endloop' is needed");
+  refused(changed("endfacet\n", ""), "line 8: 'facet' where 'endfacet' is needed");
+  refused(changed("endsolid body\n", ""), "line 86: 'solid' where 'facet' or 'endsolid' is needed");
+  refused(text + "facet normal 0 0 0\n", "line 87: 'facet' where 'solid' before it is needed");
+  refused("solid\nendsolid\n", "holds no triangle");
+  refused("ISO-10303-21;\nHEADER;\n", "is text in which no line begins with 'solid'; it is no STL file");
+  refused(std::string("\xFF\xFEs\0o\0l\0i\0d\0", 12), "is text in UTF-16; save it as UTF-8 or ASCII");
+  refused(std::string("s\0o\0l\0i\0d\0", 10), "is text in UTF-16");
+  refused(std::string("\1\0\2", 3), "only 3 bytes; a binary STL file has at least 84");
+  // Every cut of a whole text, but for its last line's end and the name that the last solid need not repeat.
+  for (std::size_t size = 1; size + std::string_view(" body\n").size() < text.size(); size += 3) refused(text.substr(0, size), "");
+  refused(text.substr(0, text.size() - 14), "line 86: truncated: the file ends where 'facet' or 'endsolid' is needed. Export it again");
+
+  const std::string binary = binary_stl(folder, "", "");
+  for (std::size_t size = 1; size < binary.size(); size += 7) refused(binary.substr(0, size), size < 84 ? "" : "Export it again");
+  refused(binary.substr(0, binary.size() - 1), "its header promises 12 triangles, 684 bytes, but it has 683");
+  std::string uncounted = binary, poisoned = binary;
+  uncounted.replace(80, 4, std::string(4, '\0'));
+  refused(uncounted, "holds no triangle: its header promises 0, though 600 bytes follow. Export it again");
+  refused(uncounted.substr(0, 84), "holds no triangle: its header promises 0");
+  poisoned.replace(84 + 50 + 12, 4, "\xFF\xFF\xFF\x7F");
+  refused(poisoned, "triangle 2 of 12: a coordinate is nan; needed: a finite number. Export it again");
+}
+
+TEST_CASE("the same cube in every dialect of OBJ is the same cube, and what is ignored is said", "[mesh][io][regression]") {
+  const Folder folder;
+  const int faces[6][4] = {{1, 3, 4, 2}, {5, 6, 8, 7}, {1, 2, 6, 5}, {3, 7, 8, 4}, {1, 5, 7, 3}, {2, 4, 8, 6}};
+  const auto vertex = [](int i, double size, const char* more) {
+    std::ostringstream text;
+    text << "v " << ((i & 1) ? 0.5 : -0.5) * size << " " << ((i & 2) ? 0.5 : -0.5) * size << " " << ((i & 4) ? 0.5 : -0.5) * size << more
+         << "\n";
+    return text.str();
+  };
+  const auto cube = [&](double size, const char* more) {
+    std::string text;
+    for (int i = 0; i < 8; ++i) text += vertex(i, size, more);
+    for (const auto& f : faces) {
+      text += "f";
+      for (const int i : f) text += " " + std::to_string(i);
+      text += "\n";
+    }
+    return text;
+  };
+  check_cube(folder.write("cube.obj", cube(1.0, "")));
+  CHECK(read_mesh_file(folder.path / "cube.obj").notes.empty());
+  check_cube(folder.write("cube.obj", cube(1.0, " 0.2 0.4 1")));
+  CHECK(read_mesh_file(folder.path / "cube.obj").notes.empty());
+  // w weighs the control points of rational curves and surfaces; a polygon's corners are x, y, z as written, not divided by it. This cube
+  // has side 2, and whoever meant 1 is told.
+  check_cube(folder.write("cube.obj", cube(2.0, " 2")), 2.0);
+  CHECK(read_mesh_file(folder.path / "cube.obj").notes ==
+        Notes{"vertices with a weight w: 8, the first in line 1, ignored, for it matters to curves alone: x, y, z are taken as written"});
+  check_cube(folder.write("cube.obj", cube(1.0, " 1")));
+  CHECK(read_mesh_file(folder.path / "cube.obj").notes.empty());
+  check_cube(folder.write("cube.obj", cube(1.0, " 0")));  // nor is anything at infinity
+  CHECK(read_mesh_file(folder.path / "cube.obj").notes.size() == 1);
+  // Indices that count back from the last vertex so far, between the vertices.
+  std::string relative;
+  for (const auto& f : faces) {
+    for (const int i : f) relative += vertex(i - 1, 1.0, "");
+    relative += "f -4 -3 -2 -1\n";
+  }
+  check_cube(folder.write("cube.obj", relative));
+  check_cube(folder.write("cube.obj", cube(1.0, "") + "f 1 2\n\nsurf 0 1 0 1 1 2 3 4\n"));
+  CHECK(read_mesh_file(folder.path / "cube.obj").notes ==
+        Notes{"faces of fewer than three corners: 1, the first in line 15, left out",
+              "curved surfaces ('surf'): 1, the first in line 17, left out: export polygons"});
+}
+
+TEST_CASE("polygons may have any number of corners", "[mesh][io][analytic]") {
+  const Folder folder;
+  constexpr int n = 2400;
+  std::ostringstream text;
+  text.precision(17);
+  for (const double z : {0.0, 1.0})
+    for (int i = 0; i < n; ++i)
+      text << "v " << 0.5 * std::cos(2 * std::numbers::pi * i / n) << " " << 0.5 * std::sin(2 * std::numbers::pi * i / n) << " " << z
+           << "\n";
+  text << "f";
+  for (int i = n; i > 0; --i) text << " " << i;
+  text << "\nf";
+  for (int i = 1; i <= n; ++i) text << " " << n + i;
+  for (int i = 0; i < n; ++i) text << "\nf " << i + 1 << " " << (i + 1) % n + 1 << " " << n + (i + 1) % n + 1 << " " << n + i + 1;
+  const MeshProperties cylinder = inspect(read_mesh(folder.write("cylinder.obj", text.str())));
+  CHECK(cylinder.closed);
+  CHECK(cylinder.triangles == 2 * (n - 2) + 2 * n);
+  const double cap = 0.125 * n * std::sin(2 * std::numbers::pi / n);  // of the polygon, exactly
+  CHECK_THAT(cylinder.volume, WithinRel(cap, 1e-12));                 // thousands of terms, each rounded
+  CHECK_THAT(cylinder.area, WithinRel(2 * cap + n * std::sin(std::numbers::pi / n), 1e-12));
+
+  // Not convex: a gear, a comb and a spiral, in which an ear is far from the last one. Time with the cube of the corners would be minutes.
+  const auto check = [&](const std::vector<Eigen::Vector2d>& corners) {
+    std::ostringstream polygon;
+    polygon.precision(17);
+    double area = 0.0;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Eigen::Vector2d &a = corners[i], &b = corners[(i + 1) % corners.size()];
+      area += 0.5 * (a.x() * b.y() - a.y() * b.x());
+      polygon << "v " << a.transpose() << " 0\n";
+    }
+    polygon << "f";
+    for (std::size_t i = 0; i < corners.size(); ++i) polygon << " " << i + 1;
+    const MeshProperties found = inspect(read_mesh(folder.write("polygon.obj", polygon.str())));
+    CHECK_THAT(found.area, WithinRel(std::abs(area), 1e-10));  // sums of thousands, of terms larger than they
+    CHECK(found.triangles == static_cast<int>(corners.size()) - 2);
+    CHECK(found.boundary_edges == static_cast<int>(corners.size()));
+    CHECK(found.consistently_wound);
+  };
+  constexpr int many = 4000;
+  std::vector<Eigen::Vector2d> gear, comb{{0.0, 0.0}, {many - 1.0, 0.0}}, spiral;
+  for (int i = 0; i < many; ++i) {
+    const double angle = 2 * std::numbers::pi * i / many;
+    gear.emplace_back((2 - i % 2) * std::cos(angle), (2 - i % 2) * std::sin(angle));
+    comb.emplace_back(many - 1 - i, 1.5 + i % 2);
+  }
+  for (int i = 0; i < many / 2; ++i) spiral.emplace_back((1 + i / 200.0) * std::cos(i / 40.0), (1 + i / 200.0) * std::sin(i / 40.0));
+  for (int i = many / 2 - 1; i >= 0; --i)
+    spiral.emplace_back((1.3 + i / 200.0) * std::cos(i / 40.0), (1.3 + i / 200.0) * std::sin(i / 40.0));
+  check(gear);
+  check(comb);
+  check(spiral);
+  // A square with a square hole, joined by a slit as exporters write it: corners of the slit are there twice.
+  const std::string ring = "v 0 0 0\nv 3 0 0\nv 3 3 0\nv 0 3 0\nv 1 1 0\nv 1 2 0\nv 2 2 0\nv 2 1 0\nf 1 2 3 4 1 5 6 7 8 5\n";
+  CHECK(inspect(read_mesh(folder.write("ring.obj", ring))).area == 8.0);
 }
