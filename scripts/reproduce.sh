@@ -17,7 +17,7 @@ for argument in "$@"; do
 done
 
 scripts/install.sh
-scripts/build.sh release
+scripts/build.sh release dragval cfd_mesh
 dragval=build/release/bin/dragval
 status=0
 
@@ -35,5 +35,6 @@ solve() {
 solve reference results/reference.h5
 solve scale_resolving results/reference.h5
 solve spin results/reference.h5
+solve concave results/reference.h5
 solve studies results/studies.h5
 exit "$status"

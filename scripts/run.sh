@@ -20,7 +20,7 @@ status=0
 
 if $stored; then scripts/install.sh --without-cfd; else scripts/install.sh; fi
 lap install
-scripts/build.sh release
+scripts/build.sh release dragval cfd_mesh
 lap build
 dragval=build/release/bin/dragval
 

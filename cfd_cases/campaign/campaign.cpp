@@ -15,10 +15,10 @@
 #include <set>
 #include <thread>
 
-#include "cfd_cases/campaign/subprocess.hpp"
 #include "cfd_cases/flow_case/case_key.hpp"
 #include "cfd_cases/flow_case/dictionaries.hpp"
 #include "cfd_cases/flow_case/solve.hpp"
+#include "cfd_cases/programs/subprocess.hpp"
 
 namespace cfd_cases {
 
@@ -96,12 +96,16 @@ std::string time_left(double seconds) {
                           : fmt::format("{:.0f} min left", seconds / 60.0);
 }
 
+bool named(const std::string& only, const std::string& case_name) {
+  return only.empty() || fnmatch(only.c_str(), case_name.c_str(), 0) == 0 || case_name.find(only) != std::string::npos;
+}
+
 std::vector<PlannedCase> plan(const Matrix& matrix, const Tools& tools, const Cache& cache, const RunStore& store, const std::string& only,
                               const std::map<std::string, CaseRecord>& known) {
   const CostModel model = read_cost_model(cost_model_file());
   std::vector<PlannedCase> cases;
   for (const CaseSpec& spec : matrix.cases) {
-    if (!only.empty() && fnmatch(only.c_str(), spec.name.c_str(), 0) != 0 && spec.name.find(only) == std::string::npos) continue;
+    if (!named(only, spec.name)) continue;
     PlannedCase planned{.spec = spec, .identity = identify(spec, tools)};
     if (const fs::path run = cache.run(planned.identity.key); fs::exists(run))
       planned.cached = store.read(run);

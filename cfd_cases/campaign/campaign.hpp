@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "cfd_cases/campaign/cost_model.hpp"
+#include "cfd_cases/flow_case/case_mesh.hpp"
 #include "cfd_cases/flow_case/matrix.hpp"
-#include "cfd_cases/mesh/mesh.hpp"
 
 namespace cfd_cases {
 
@@ -38,8 +38,11 @@ struct PlannedCase {
   bool to_solve(bool retry_failed) const { return !cached || fields_missing || (retry_failed && !case_record::is_usable(cached->status)); }
 };
 
+/// Whether `only` means this case: a shell pattern (* ? [...]) on its name, or part of it; empty for every case.
+bool named(const std::string& only, const std::string& case_name);
+
 /// @param known  cases solved elsewhere, by key: they count as cached, so that a campaign goes on from a committed file of references
-/// @param only  a shell pattern (* ? [...]) on case names, or part of a name; empty for all
+/// @param only   which cases, as named() reads it
 /// Costs come from the model in cost_model_file(), scaled by the pace of the cases that are cached. A case that is to be solved pays
 /// nothing for a mesh that is cached, or that an earlier case of the plan makes.
 std::vector<PlannedCase> plan(const Matrix& matrix, const Tools& tools, const Cache& cache, const RunStore& store,

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "cfd_cases/mesh/cell_count.hpp"
+#include "cfd_cases/mesh/snappy.hpp"
 
 namespace cfd_cases {
 
@@ -220,7 +221,9 @@ double CostModel::solve_cpu_s(const std::string& flow_model, double cells, doubl
 CostEstimate CostModel::estimate(const CaseSpec& spec, const CaseIdentity& identity) const {
   const Method& of = method(spec.flow_model);
   CostEstimate estimate;
-  if (spec.octree()) {
+  if (const auto* body = std::get_if<dragcore::MeshBody>(&spec.shape)) {
+    estimate.cells = snappy_cells(*body, spec.mesh_pose().radians(), identity.recipe, identity.symmetry);
+  } else if (spec.octree()) {
     estimate.cells = octree_cells(spec.shape, identity.recipe, identity.symmetry);
   } else {
     const SizeIntegrals sum = integrate_size(spec.shape, spec.mesh_pose().radians(), identity.recipe, identity.symmetry);

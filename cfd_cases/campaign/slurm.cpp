@@ -18,8 +18,8 @@
 #include <sstream>
 #include <thread>
 
-#include "cfd_cases/campaign/subprocess.hpp"
 #include "cfd_cases/flow_case/solve.hpp"
+#include "cfd_cases/programs/subprocess.hpp"
 
 namespace cfd_cases {
 
@@ -128,6 +128,10 @@ std::size_t longest_array() {
 /// Writes the folder of a job array and submits it. @param after  the jobs that must have ended. Returns its number.
 std::string submit(const Batch& batch, const Cache& cache, const CampaignOptions& options, const SlurmOptions& slurm,
                    const std::set<std::string>& after) {
+  for (const PlannedCase* planned : batch.cases)
+    if (std::holds_alternative<dragcore::MeshBody>(planned->spec.shape))
+      throw EnvironmentFault(fmt::format(
+          "{} takes its body from a file, and jobs take nothing but the matrix along; run it with --executor local", planned->spec.name));
   std::random_device random;
   const std::string name = fmt::format("dragval-{:%Y%m%dT%H%M%S}-{:08x}", fmt::gmtime(std::time(nullptr)), random());
   const fs::path folder = fs::absolute(cache.root / "slurm" / name), unfinished = folder.string() + ".new";

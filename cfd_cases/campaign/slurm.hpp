@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cfd_cases/campaign/campaign.hpp"
-#include "cfd_cases/campaign/tools.hpp"
+#include "cfd_cases/programs/tools.hpp"
 
 namespace cfd_cases {
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cfd_cases/flow_case/dictionaries.hpp"
+#include "cfd_cases/mesh/snappy.hpp"
 
 namespace cfd_cases {
 
@@ -18,6 +19,16 @@ std::string sha256(const std::string& text) {
   return hexadecimal;
 }
 
+namespace {
+
+std::string digest_of(const std::map<std::string, std::string>& files) {
+  std::string together;
+  for (const auto& [path, text] : files) together += path + "\n" + text;
+  return sha256(together);
+}
+
+}  // namespace
+
 CaseIdentity identify(const CaseSpec& spec, const Tools& tools) {
   CaseIdentity id;
   id.recipe = spec.recipe;
@@ -28,9 +39,11 @@ CaseIdentity identify(const CaseSpec& spec, const Tools& tools) {
     return nlohmann::json{{"incidence_deg", pose.incidence}, {"yaw_deg", pose.yaw}, {"roll_deg", pose.roll}};
   };
   const nlohmann::json pose = degrees(spec.pose), mesh_pose = degrees(spec.mesh_pose());
-  const nlohmann::json mesh{{"shape", to_json(spec.shape)},       {"pose", mesh_pose},
-                            {"symmetry", to_string(id.symmetry)}, {"recipe", to_json(id.recipe)},
-                            {"size_factors", kSizeFactors},       {"tools", tools.versions()}};
+  nlohmann::json mesh{{"shape", to_json(spec.shape)},       {"pose", mesh_pose},
+                      {"symmetry", to_string(id.symmetry)}, {"recipe", to_json(id.recipe)},
+                      {"size_factors", kSizeFactors},       {"tools", tools.versions()}};
+  if (const auto* body = std::get_if<dragcore::MeshBody>(&spec.shape))
+    mesh["snappy_sha256"] = digest_of(snappy_files(*body, spec.mesh_pose().radians(), id.recipe, id.symmetry));  // holds every triangle
   id.mesh_description = mesh.dump();
   id.mesh_key = sha256(id.mesh_description);
 
@@ -74,6 +87,7 @@ std::optional<DescribedCase> described_case(const std::string& description) {
     const auto &mesh = text.at("mesh"), &pose = text.at("pose"), &stop = text.at("stop");
     DescribedCase found;
     CaseSpec& spec = found.spec;
+    if (text.at("shape").contains("triangles")) return std::nullopt;  // which are not in the description
     spec.shape = shape_from_json(text.at("shape"));
     spec.pose = {pose.at("incidence_deg"), pose.at("yaw_deg"), pose.at("roll_deg")};
     spec.reynolds = text.at("reynolds");

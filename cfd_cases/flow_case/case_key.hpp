@@ -3,9 +3,9 @@
 #include <optional>
 #include <string>
 
-#include "cfd_cases/campaign/tools.hpp"
 #include "cfd_cases/flow_case/matrix.hpp"
 #include "cfd_cases/mesh/mesh_recipe.hpp"
+#include "cfd_cases/programs/tools.hpp"
 
 namespace cfd_cases {
 
@@ -23,7 +23,8 @@ struct CaseIdentity {
 CaseIdentity identify(const CaseSpec& spec, const Tools& tools);
 
 /// The case that a stored description tells of, as far as it decides mesh, method and limits: what only enters as the digest of the
-/// dictionaries (numerics), and name and tier, keep their defaults. Empty when the text is no description of identify().
+/// dictionaries (numerics), and name and tier, keep their defaults. Empty when the text is no description of identify(), and for
+/// bodies given by triangles.
 struct DescribedCase {
   CaseSpec spec;
   CaseIdentity identity;

@@ -6,9 +6,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
+
+#include "cfd_cases/flow_case/case_mesh.hpp"
 
 namespace cfd_cases {
 
@@ -60,13 +60,6 @@ std::vector<Row> parse_rows(std::string_view text, const char* what) {
     rows.push_back(row);
   }
   return rows;
-}
-
-std::string contents(const fs::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return in ? std::move(text).str() : std::string();
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <dragcore/mesh_file.hpp>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -205,6 +206,11 @@ void read_special(Table& table, const fs::path& file, Sweep& sweep) {
     table.fail(
         "numerics, recipe, air, turn_wind, half_model, mesh_seed and min_iterations need variant = \"word\", which tells the cases from "
         "the usual ones");
+  if (std::holds_alternative<dragcore::MeshBody>(spec.shape) &&
+      (mesher != "polyhedra" || air == "round" || spec.turn_wind || spins || seed != 0))
+    table.fail(
+        "a body of shape = \"mesh\" is solved at rest, meshed by snappyHexMesh in a box of air: leave out mesher, "
+        "air, turn_wind, spin, mesh_seed");
   for (const std::string& level : sweep.levels) try {
       MeshRecipe recipe = spec.recipe;
       recipe.refinement = refinement_of(level, spec.octree());
@@ -214,10 +220,29 @@ void read_special(Table& table, const fs::path& file, Sweep& sweep) {
     }
 }
 
-dragcore::Shape read_shape(Table& table, const toml::table& sweep) {
+/// The triangles of a file, relative to the matrix; the body's name is that of the file.
+dragcore::Shape read_mesh_body(Table& table, const fs::path& matrix) {
+  std::string file;
+  double area = 0.0, length = 0.0;
+  table.word("file", file);
+  table.number("reference_area", area, 1e-12, 1e12);
+  table.number("reference_length", length, 1e-6, 1e6);
+  if (file.empty()) table.fail("shape = \"mesh\" needs file = \"body.stl\", relative to the matrix");
+  if (area == 0.0 || length == 0.0)
+    table.fail(
+        "shape = \"mesh\" needs reference_area [m2] and reference_length [m], the denominators of its coefficients and Reynolds number");
+  try {
+    return dragcore::mesh_body(fs::path(file).stem().string(), dragcore::read_mesh(matrix.parent_path() / file), area, length);
+  } catch (const std::exception& error) {
+    table.fail(*table.find("file"), error.what());
+  }
+}
+
+dragcore::Shape read_shape(Table& table, const toml::table& sweep, const fs::path& matrix) {
   std::string kind;
   table.word("shape", kind);
-  if (kind.empty()) table.fail(sweep, "a sweep needs shape = \"plate\", \"box\", \"cone\", ...");
+  if (kind.empty()) table.fail(sweep, "a sweep needs shape = \"plate\", \"box\", \"cone\", ..., or \"mesh\" with a file");
+  if (kind == "mesh") return read_mesh_body(table, matrix);
   std::map<std::string, double> parameters;
   const auto* node = table.find("parameters");
   if (node && !node->is_table()) table.fail(*node, "parameters must be a table, such as { diameter = 1, length = 3 }");
@@ -274,12 +299,8 @@ dragcore::Pose PoseDegrees::radians() const {
 }
 
 std::string case_name(const CaseSpec& spec) {
-  const std::string kind = dragcore::kind(spec.shape);
-  std::string name = kind;
-  const auto defaults = dragcore::parameters(dragcore::make_shape(kind, {}));
-  for (const auto& [parameter, value] : dragcore::parameters(spec.shape))
-    if (const auto usual = defaults.find(parameter); usual == defaults.end() || std::abs(value - usual->second) > 1e-9 * std::abs(value))
-      name += fmt::format("-{}-{:g}", parameter, value);
+  std::string name = dragcore::kind(spec.shape);
+  for (const auto& [parameter, value] : dragcore::changed_parameters(spec.shape)) name += fmt::format("-{}-{:g}", parameter, value);
   const bool turned = spec.pose.yaw != 0.0 || spec.pose.roll != 0.0 || spec.spin.in_still_air();
   if (spec.pose.incidence != 0.0 || !turned) name += "_incidence-" + angle_text(spec.pose.incidence);
   if (spec.pose.yaw != 0.0) name += "_yaw-" + angle_text(spec.pose.yaw);
@@ -322,7 +343,7 @@ Matrix parse_matrix(std::string_view text, const fs::path& file) {
     Table table(entry, file);
     Sweep sweep = defaults;
     sweep.common.tier = matrix.tier;
-    sweep.common.shape = read_shape(table, entry);
+    sweep.common.shape = read_shape(table, entry, file);
     table.word("variant", sweep.common.variant);
     read_common(table, file, sweep);
     read_special(table, file, sweep);

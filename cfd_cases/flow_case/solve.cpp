@@ -11,10 +11,10 @@
 #include <ctime>
 #include <fstream>
 
-#include "cfd_cases/campaign/subprocess.hpp"
 #include "cfd_cases/flow_case/convergence.hpp"
 #include "cfd_cases/flow_case/dictionaries.hpp"
 #include "cfd_cases/flow_case/force_history.hpp"
+#include "cfd_cases/programs/subprocess.hpp"
 
 namespace cfd_cases {
 

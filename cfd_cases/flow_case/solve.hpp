@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "cfd_cases/mesh/mesh.hpp"
+#include "cfd_cases/flow_case/case_mesh.hpp"
 #include "cfd_cases/mesh/poly_mesh.hpp"
 
 namespace cfd_cases {

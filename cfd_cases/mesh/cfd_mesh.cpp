@@ -74,6 +74,9 @@ struct Solid {
     occ::extrude({{2, occ::addPlaneSurface({occ::addCurveLoop(sides)})}}, 0, s.span, 0, drawn);
     return solid_of(drawn);
   }
+  int operator()(const dragcore::MeshBody& s) const {
+    throw std::invalid_argument("the body " + s.name + " is given by triangles: snappyHexMesh meshes it, not gmsh");
+  }
 };
 
 /// The axis square to the symmetry plane of a half model, or -1.

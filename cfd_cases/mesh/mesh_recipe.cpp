@@ -72,6 +72,9 @@ struct Distance {
     const double to_triangle = distance_to_profile({{nose, 0.0}, {tail, half}, {tail, 0.0}}, Vector3d(p.x(), p.z(), 0.0));
     return std::hypot(to_triangle, std::max(0.0, std::abs(p.y()) - 0.5 * s.span));
   }
+  double operator()(const dragcore::MeshBody& s) const {
+    throw std::invalid_argument(fmt::format("the sizes around {}, which is given by triangles, are snappyHexMesh's", s.name));
+  }
 };
 
 const std::map<std::string, double> kRefinement{{"coarse", 1.4}, {"medium", 1.0}, {"fine", 1.0 / 1.4}, {"finest", 1.0 / 1.96}};
@@ -139,6 +142,15 @@ double body_scale(const dragcore::Shape& shape) {
   std::array<double, 3> extent{2.0 * half.x(), 2.0 * half.y(), 2.0 * half.z()};
   std::sort(extent.begin(), extent.end());
   return extent[1];
+}
+
+double allowed_surface_error(const dragcore::Shape& shape, const MeshRecipe& recipe) {
+  // Flat sides are exact but for the 12 digits of the file and OpenCASCADE's tolerance of 1e-7.
+  if (std::holds_alternative<dragcore::Plate>(shape) || std::holds_alternative<dragcore::Box>(shape)) return 1e-5;
+  // Round sides: a facet of size h lies up to h^2 / 8R inside a circle of radius R = 1/2 scale, and the dual cuts its corners once more;
+  // area and volume of a sphere then lose 0.4 and 0.6 (h/R)^2. Twice as much leaves room for the point of a cone, which the dual cuts off.
+  const double h = recipe.body_size * recipe.refinement / 0.5;
+  return 1.2 * h * h;
 }
 
 MeshRecipe octree_recipe() {
@@ -287,7 +299,9 @@ MeshRecipe recipe_from_json(const nlohmann::json& text) {
 }
 
 nlohmann::json to_json(const dragcore::Shape& shape) {
-  return {{"kind", dragcore::kind(shape)}, {"parameters", dragcore::parameters(shape)}};
+  nlohmann::json text{{"kind", dragcore::kind(shape)}, {"parameters", dragcore::parameters(shape)}};
+  if (const auto* body = std::get_if<dragcore::MeshBody>(&shape)) text["triangles"] = fmt::format("{:016x}", body->checksum);
+  return text;
 }
 
 dragcore::Shape shape_from_json(const nlohmann::json& text) {

@@ -53,6 +53,9 @@ struct MeshRecipe {
   double wake_rise = 0.0;   ///< of the wake box to the lee side, where mesh and body stay and the wind turns; 0: wake_margin
 };
 
+/// The largest relative error of area and volume that a correct mesh may have: rounding for flat sides, faceting for round ones.
+double allowed_surface_error(const dragcore::Shape& shape, const MeshRecipe& recipe);
+
 /// The recipe of an octree of cubes around a body with flat sides, for scale-resolving runs: the size on the body fits a plate of
 /// thickness 0.05. Levels differ by 2; a cube is content with "coarse", which does not fit such a plate.
 MeshRecipe octree_recipe();
@@ -62,7 +65,7 @@ MeshRecipe octree_recipe();
 double refinement_of(const std::string& level, bool octree = false);
 
 /// Distance from a point to the surface of the body (exact for flat-sided bodies and bodies of revolution, first order for other
-/// ellipsoids); 0 inside. Body frame [m].
+/// ellipsoids); 0 inside. Body frame [m]. @throws std::invalid_argument for a body given by triangles
 double distance_to_body(const dragcore::Shape& shape, const Eigen::Vector3d& point_body);
 
 /// Distance to the sharp point of a cone or teardrop [m]; infinite for other shapes.
@@ -127,7 +130,7 @@ std::vector<std::pair<const char*, double*>> recipe_lengths(MeshRecipe& recipe);
 /// Canonical description: part of the key, and the request that the meshing program reads.
 nlohmann::json to_json(const MeshRecipe& recipe);
 MeshRecipe recipe_from_json(const nlohmann::json& text);
-nlohmann::json to_json(const dragcore::Shape& shape);
+nlohmann::json to_json(const dragcore::Shape& shape);  ///< of a body given by triangles their checksum, from which it is not made again
 dragcore::Shape shape_from_json(const nlohmann::json& text);
 
 }  // namespace cfd_cases

@@ -288,7 +288,7 @@ Fit fit_class_law(const ClassLaw& wanted, const std::vector<const CaseRecord*>& 
     const bool flat = default_divisions(record->shape) <= 2;
     std::string key = shape_of(*record);
     for (const auto& [name, value] : dragcore::parameters(record->shape)) key += " " + name + std::to_string(value);
-    if (!surfaces.contains(key)) surfaces.emplace(key, dragcore::triangulate(record->shape, flat ? 2 : 12));
+    if (!surfaces.contains(key)) surfaces.emplace(key, surface_of(record->shape, flat ? 2 : 12));
     const Eigen::Matrix3d to_wind = record->pose.rotation();
     Prepared one{.surface = &surfaces.at(key)};
     one.motion.wind = to_wind.transpose() * Eigen::Vector3d(record->speed, 0.0, 0.0);
@@ -326,7 +326,7 @@ Calibration calibrate_class_laws(const std::vector<CaseRecord>& records) {
   for (const CaseOfRecord& chosen : cases_of_record(records)) {
     const CaseRecord& record = *chosen.family.record;
     if (!is_usable(record.status) || record.held_out || record.reynolds < 1e4) continue;
-    const dragcore::Surface surface(dragcore::triangulate(record.shape, 8));
+    const dragcore::Surface surface = surface_of(record.shape, 8);
     (surface.body_class == dragcore::BodyClass::sheet ? sheets : closed).push_back(&record);
   }
   // The difference quotient of the fit must not step over a bound of the law itself: hence 1e-4 instead of 0.

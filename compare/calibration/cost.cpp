@@ -42,7 +42,7 @@ std::vector<ModelCost> model_costs(const std::vector<const CaseRecord*>& cases, 
   if (std::holds_alternative<dragcore::Plate>(shape)) meshes = {1, 5, 20, 70};
   if (quick) meshes = {1, 3};
   for (const int divisions : meshes) {
-    const dragcore::Surface surface(triangulate(shape, divisions));
+    const dragcore::Surface surface = surface_of(shape, divisions);
     dragcore::Law by_class = dragcore::law_for(surface.body_class);
     by_class.name = "by class";
     for (const dragcore::Law& law : {dragcore::note_law(), dragcore::consistent_law(), fitted, by_class})
@@ -50,8 +50,9 @@ std::vector<ModelCost> model_costs(const std::vector<const CaseRecord*>& cases, 
            {dragcore::PillowForm::none, dragcore::PillowForm::triangle, dragcore::PillowForm::patch, dragcore::PillowForm::tilt}) {
         dragcore::Model model{.law = law};
         if (law.name == by_class.name) {
-          if (form != dragcore::PillowForm::none && form != dragcore::class_pillow().form) continue;
-          if (form != dragcore::PillowForm::none) model.pillow = dragcore::class_pillow();
+          const dragcore::Pillow pillow = dragcore::class_pillow(surface.body_class);
+          if (form != dragcore::PillowForm::none && form != pillow.form) continue;
+          if (form != dragcore::PillowForm::none) model.pillow = pillow;
         } else if (form != dragcore::PillowForm::none)
           model.pillow =
               calibration.fit("pillow " + to_string(form) + " on law " + (law.name == fitted.name ? fitted.name : "note")).model.pillow;

@@ -1,5 +1,8 @@
 #include "compare/calibration/prediction.hpp"
 
+#include <fmt/format.h>
+
+#include <dragcore/expose.hpp>
 #include <map>
 #include <mutex>
 #include <string>
@@ -11,6 +14,16 @@ int default_divisions(const dragcore::Shape& shape) {
   return std::holds_alternative<dragcore::Plate>(shape) || std::holds_alternative<dragcore::Box>(shape) ? 2 : 32;
 }
 
+dragcore::Surface surface_of(const dragcore::Shape& shape, int divisions) {
+  using Sides = dragcore::Surface::Sides;
+  const auto* plate = std::get_if<dragcore::Plate>(&shape);
+  // As a user's file: lids on its holes, and rays to find what stands in the lee of what.
+  if (const auto* body = std::get_if<dragcore::MeshBody>(&shape))
+    return dragcore::Surface(dragcore::expose(dragcore::prepare(*body->mesh)));
+  const bool sheet = plate && plate->thickness == 0.0;
+  return dragcore::Surface(dragcore::triangulate(shape, divisions), sheet ? Sides::two : Sides::one);
+}
+
 namespace {
 
 /// Surfaces are prepared once per shape and resolution: a report evaluates each of them thousands of times.
@@ -18,14 +31,12 @@ const dragcore::Surface& prepared(const dragcore::Shape& shape, int divisions) {
   static std::mutex mutex;
   static std::map<std::tuple<std::string, std::map<std::string, double>, int>, dragcore::Surface> surfaces;
   const std::scoped_lock lock(mutex);
-  const auto key = std::tuple(dragcore::kind(shape), dragcore::parameters(shape), divisions);
+  std::string body = dragcore::kind(shape);
+  if (const auto* mesh = std::get_if<dragcore::MeshBody>(&shape)) body += ' ' + std::to_string(mesh->checksum);
+  const auto key = std::tuple(body, dragcore::parameters(shape), divisions);
   const auto found = surfaces.find(key);
   if (found != surfaces.end()) return found->second;
-  const auto* plate = std::get_if<dragcore::Plate>(&shape);
-  const bool sheet = plate && plate->thickness == 0.0;
-  return surfaces
-      .try_emplace(key, dragcore::triangulate(shape, divisions), sheet ? dragcore::Surface::Sides::two : dragcore::Surface::Sides::one)
-      .first->second;
+  return surfaces.emplace(key, surface_of(shape, divisions)).first->second;
 }
 
 }  // namespace
@@ -36,19 +47,52 @@ ModelChoice ModelChoice::of_class(const dragcore::Pillow& pillow) {
   return choice;
 }
 
+ModelChoice ModelChoice::recommended() {
+  ModelChoice choice = of_class(dragcore::class_pillow(dragcore::BodyClass::sharp));
+  choice.pillow_by_class = true;
+  return choice;
+}
+
+std::string ModelChoice::pillow_label() const {
+  if (model.pillow.form == dragcore::PillowForm::none) return "";
+  const std::string form = to_string(model.pillow.form) + " pillow ";
+  return form + (pillow_by_class ? "by class" : fmt::format("{:g}", model.pillow.factor)) +
+         (model.pillow.falloff == dragcore::Falloff::circular ? "" : " " + to_string(model.pillow.falloff));
+}
+
 dragcore::Model ModelChoice::on(const dragcore::Surface& surface) const {
-  dragcore::Model chosen = model;
-  if (by_class) chosen.law = dragcore::law_for(surface.body_class);
+  if (!by_class) return model;
+  dragcore::Model chosen = dragcore::model_for(surface);
+  chosen.quadrature = model.quadrature;
+  chosen.effects = model.effects;
+  if (pillow_by_class) return chosen;
+  chosen.pillow = model.pillow;
+  if (chosen.sheets) chosen.sheets->pillow = model.pillow;
   return chosen;
+}
+
+namespace {
+
+dragcore::Motion motion_of(const case_record::CaseRecord& record) {
+  const Eigen::Matrix3d to_body = record.pose.rotation().transpose();
+  dragcore::Motion motion;
+  if (!record.still_air) motion.wind = to_body * Eigen::Vector3d(record.speed, 0.0, 0.0);
+  motion.angular_velocity = to_body * record.angular_velocity;
+  return motion;
+}
+
+}  // namespace
+
+dragcore::Validity validity(const case_record::CaseRecord& record) {
+  const dragcore::Surface& surface = prepared(record.shape, default_divisions(record.shape));
+  return dragcore::validity(surface, motion_of(record), {.density = record.density}, dragcore::model_for(surface),
+                            record.density * record.viscosity);
 }
 
 dragcore::WrenchByTerm predict(const case_record::CaseRecord& record, const ModelChoice& choice, int divisions) {
   const dragcore::Surface& surface = prepared(record.shape, divisions > 0 ? divisions : default_divisions(record.shape));
   const Eigen::Matrix3d to_wind = record.pose.rotation();
-  dragcore::Motion motion;
-  if (!record.still_air) motion.wind = to_wind.transpose() * Eigen::Vector3d(record.speed, 0.0, 0.0);
-  motion.angular_velocity = to_wind.transpose() * record.angular_velocity;
-  dragcore::WrenchByTerm wrench = dragcore::wrench(surface, motion, {.density = record.density}, choice.on(surface));
+  dragcore::WrenchByTerm wrench = dragcore::wrench(surface, motion_of(record), {.density = record.density}, choice.on(surface));
   for (dragcore::Wrench& term : wrench.terms) term = {to_wind * term.force, to_wind * term.torque};
   return wrench;
 }

@@ -66,7 +66,7 @@ struct CaseRecord {
   std::string description;  ///< canonical JSON of all that determines the result
   std::string source;       ///< "openfoam-1912"
   std::string tier;
-  dragcore::Shape shape;
+  dragcore::Shape shape;    ///< a MeshBody carries its triangles
   dragcore::Pose pose;
   double reynolds = 0.0;
   std::string flow_model;  ///< "laminar", "k_omega_sst", "k_omega_sst_ddes" (scale-resolving, time-accurate)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dragcore/drag.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -54,15 +55,17 @@ void add_gate(CLI::App& app, Context& context);
 void add_baseline(CLI::App& app, Context& context);
 void add_report(CLI::App& app, Context& context);
 void add_mesh(CLI::App& app, Context& context);
+void add_drag(CLI::App& app, Context& context);
 
-/// The drag model asked for on the command line: --law (with --scale and --base-suction), --pillow, --factor, --quadrature, --divisions.
+/// The drag model asked for on the command line: --law (with --scale and --base-suction), --pillow, --factor, --quadrature. Nothing asked
+/// for is what model_for() recommends.
 struct ModelOptions {
-  std::string law = "note";
+  std::string law = "class";
   double scale = 1.0, base_suction = 0.0;  ///< of --law scaled
-  std::string pillow = "none", falloff = "circular";
-  double factor = 0.0;
+  std::string pillow;                      ///< empty: with the law by class its class_pillow(), with any other law none
+  std::string falloff = "circular";
+  std::optional<double> factor;
   int quadrature = 3;
-  int divisions = 0;  ///< 0: default_divisions() of the shape
 
   compare::ModelChoice model() const;  ///< @throws std::invalid_argument naming the known laws and forms
   std::string label() const;           ///< "note", "consistent, pillow tilt 0.78": for headings and files

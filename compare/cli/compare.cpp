@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cfd_cases/campaign/campaign.hpp"
 #include "compare/cli/commands.hpp"
 #include "compare/tables/error_table.hpp"
 #include "compare/tables/note_table.hpp"
@@ -20,14 +21,23 @@ void add_compare(CLI::App& app, Context& context) {
     SourceOptions source;
     ModelOptions model;
     std::vector<std::string> by;
+    std::string only;
+    int divisions = 0;  ///< 0: default_divisions() of the shape
     std::string format = "table", output = "results/comparison.h5";
     bool json = false;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("compare", "Predict every case with the drag model and print the errors against the references");
-  command->footer("Example: dragval compare --matrix quick --law consistent --pillow tilt --factor 0.78 --format md");
+  command->footer(
+      "Without options the recommended model is compared: the law by class with its pillow.\n"
+      "Examples: dragval compare --only cube\n"
+      "          dragval compare --matrix quick --law consistent --pillow tilt --factor 0.78 --format md");
   add_source_options(*command, options->source);
+  command->add_option("--only", options->only, "Cases whose name holds this, or matches this pattern with * ? []");
   add_model_options(*command, options->model);
+  command->add_option("--divisions", options->divisions, "Fineness of the triangles; 0: 2 on flat sides, 32 per quarter turn")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
   command->add_option("--by", options->by, "Group the statistics by any of shape, orientation, Re, held_out")->delimiter(',');
   command->add_option("--format", options->format, "table, md, csv or json")->capture_default_str();
   command->add_flag("--json", options->json, "The same as --format json");
@@ -36,14 +46,17 @@ void add_compare(CLI::App& app, Context& context) {
     const compare::Format format = compare::format_from(options->json ? "json" : options->format);
     std::vector<compare::GroupBy> by;
     for (const std::string& word : options->by) by.push_back(compare::group_by_from(word));
-    const compare::Predictor model = compare::predictor(options->model.model(), options->model.divisions);
-    const Sources sources = load(options->source);
+    const compare::Predictor model = compare::predictor(options->model.model(), options->divisions);
+    Sources sources = load(options->source);
+    const auto shown = [&](const std::string& name) { return cfd_cases::named(options->only, name); };
+    std::erase_if(sources.spinning, [&](const compare::CaseRecord& record) { return !shown(record.name); });
     const auto& cases = sources.reference.cases;
-    const compare::ErrorTable table = compare::compare_with(cases, model, options->model.label(), sources.missing, by);
+    const compare::ErrorTable table = compare::compare_with(cases, model, options->model.label(), sources.missing, by, shown);
     const std::vector<compare::NamedModel> laws = {{"note", dragcore::Model{}},
                                                    {"consistent", dragcore::Model{.law = dragcore::consistent_law()}},
                                                    {"by class", compare::ModelChoice::of_class()}};
-    const auto note = compare::note_table(cases, laws);
+    auto note = compare::note_table(cases, laws);
+    std::erase_if(note, [&](const compare::NoteRow& row) { return !shown(row.case_name); });
     const auto spin = compare::spin_table(sources.spinning, model);
     if (format == compare::Format::json) {
       nlohmann::json document = compare::to_json(table);
@@ -53,16 +66,18 @@ void add_compare(CLI::App& app, Context& context) {
     } else {
       const bool colour = ::isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR");
       std::cout << compare::render(table, format, colour);
-      if (format != compare::Format::csv)
+      if (format != compare::Format::csv && !note.empty())
         std::cout << (format == compare::Format::markdown ? "\n### " : "\n") << "C_D of the note's own table, each on its frontal area\n"
                   << (format == compare::Format::markdown ? "\n" : "") << compare::render(note, laws, format);
       if (!spin.empty()) std::cout << "\n" << compare::render(spin, options->model.label(), format, colour);
     }
     const bool any_spin = std::any_of(spin.begin(), spin.end(), [](const compare::SpinRow& row) { return row.cfd.has_value(); });
     if (table.compared == 0 && !any_spin) {
-      std::cerr << "dragval: nothing was compared: no usable case in "
-                << (options->source.cache.empty() ? options->source.store : options->source.cache)
-                << (options->source.matrix.empty() ? "" : " for matrix " + options->source.matrix) << "; run it: dragval run quick\n";
+      const std::string place = options->source.cache.empty() ? options->source.store : options->source.cache;
+      std::cerr << "dragval: Nothing was compared. " << place << " has no usable case"
+                << (options->source.matrix.empty() ? "" : " of the matrix " + options->source.matrix)
+                << (options->only.empty() ? ". Solve some: dragval run quick\n"
+                                          : " with '" + options->only + "' in its name. dragval compare --format csv lists all names.\n");
       context.exit_code = exit_code::nothing_compared;
       return;
     }

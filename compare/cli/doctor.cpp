@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cfd_cases/campaign/slurm.hpp"
-#include "cfd_cases/campaign/tools.hpp"
+#include "cfd_cases/programs/tools.hpp"
 #include "compare/cli/commands.hpp"
 
 namespace cli {

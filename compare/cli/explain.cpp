@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cfd_cases/campaign/slurm.hpp"
+#include "cfd_cases/programs/subprocess.hpp"
 #include "compare/cli/campaign_options.hpp"
 #include "compare/cli/commands.hpp"
 
@@ -57,9 +58,15 @@ nlohmann::json explain(const cfd_cases::PlannedCase& planned, const CampaignInpu
   } else {
     text["state"] = "to solve";
     text["reason"] = "no run of this name is stored";
+    // A case that ends, well or badly, is stored. A folder without a run is one at work, or one that was stopped.
+    if (fs::exists(cache.work(planned.identity.key))) {
+      const bool at_work = fs::exists(cache.lock(planned.identity.key)) && !cfd_cases::FileLock(cache.lock(planned.identity.key)).held();
+      text["state"] = at_work ? "running" : "interrupted";
+      text["reason"] = at_work ? "another dragval run is at work on it" : "the run was stopped before its end; the next one begins again";
+    }
     for (const auto& record : compare::read_runs(cache.root / "runs"))
       if (record.name == planned.spec.name) {
-        text["reason"] = "a run of this name is stored, but of another description: it is stale";
+        text["stale"] = "a run of this name is stored, but of another description: it is stale";
         text["differs_from_stored"] = differences(record.description, planned.identity.description);
       }
   }
@@ -80,6 +87,7 @@ void print(const nlohmann::json& text) {
   const auto word = [&](const char* key) { return text.at(key).get<std::string>(); };
   fmt::print("{}\n  state:    {}\n", word("name"), word("state"));
   if (!word("reason").empty()) fmt::print("  reason:   {}\n", word("reason"));
+  if (text.contains("stale")) fmt::print("  stale:    {}\n", word("stale"));
   for (const auto& line : text.at("differs_from_stored")) fmt::print("            {}\n", line.get<std::string>());
   for (const auto& attempt : text.at("attempts"))
     fmt::print("  attempt:  {}: {}{}{}\n", attempt.at("recipe").get<std::string>(), attempt.at("status").get<std::string>(),

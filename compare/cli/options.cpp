@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <set>
 
 #include "cfd_cases/flow_case/matrix.hpp"
@@ -10,15 +12,29 @@
 #include "compare/cli/commands.hpp"
 #include "compare/reference/uncertainty.hpp"
 #include "dragcore/law_file.hpp"
+#include <dragcore/unknown_word.hpp>
 
 namespace cli {
+
+namespace {
+
+const std::vector<std::string> laws = {"note", "consistent", "sheet", "closed", "scaled", "class"};
+
+}  // namespace
 
 compare::ModelChoice ModelOptions::model() const {
   if (quadrature != 0 && quadrature != 1 && quadrature != 3 && quadrature != 6)
     throw UsageError(fmt::format("--quadrature {}: 1, 3 or 6 points per triangle are needed, or 0 for adaptive", quadrature));
   if (law != "scaled" && (scale != 1.0 || base_suction != 0.0)) throw UsageError("--scale and --base-suction belong to --law scaled");
-  const dragcore::Pillow chosen_pillow{dragcore::pillow_form_from(pillow), factor, dragcore::falloff_from(falloff)};
-  compare::ModelChoice choice = compare::ModelChoice::of_class(chosen_pillow);
+  if (std::find(laws.begin(), laws.end(), law) == laws.end() && !law.ends_with(".toml"))
+    throw UsageError(dragcore::unknown_word("law", law, laws) + ", or a file of your own, LAW.toml");
+  dragcore::Pillow chosen_pillow;
+  if (!pillow.empty()) chosen_pillow = {dragcore::pillow_form_from(pillow), factor.value_or(0.0), dragcore::falloff_from(falloff)};
+  if (pillow.empty() && factor) throw UsageError("--factor needs --pillow: tilt, say");
+  if (chosen_pillow.form != dragcore::PillowForm::none && !pillow.empty() && !factor)
+    throw UsageError(fmt::format("--pillow {} needs --factor: 0 to 1, of the tilt form 0 to 1.5", pillow));
+  compare::ModelChoice choice =
+      law == "class" && pillow.empty() ? compare::ModelChoice::recommended() : compare::ModelChoice::of_class(chosen_pillow);
   choice.model.quadrature = static_cast<dragcore::Quadrature>(quadrature);
   if (law == "class") return choice;
   choice.by_class = false;
@@ -32,14 +48,15 @@ std::string ModelOptions::label() const {
   const std::string name = law == "scaled"  ? fmt::format("scaled {:g} suction {:g}", scale, base_suction)
                            : law == "class" ? "by class"
                                             : law;
-  if (pillow == "none") return name;
-  return fmt::format("{}, {} pillow {:g}{}", name, pillow, factor, falloff == "circular" ? "" : " " + falloff);
+  const std::string pillow_label = model().pillow_label();
+  return pillow_label.empty() ? name : name + ", " + pillow_label;
 }
 
 void add_model_options(CLI::App& command, ModelOptions& options) {
   command
       .add_option("--law", options.law,
-                  "Pressure law: note, consistent, sheet, closed, scaled, class (sheet or closed, by the body), or a TOML file")
+                  "Pressure law: note, consistent, sheet, closed, scaled, class (the recommended: sheet or closed, by the body), or a TOML "
+                  "file")
       ->capture_default_str();
   command.add_option("--scale", options.scale, "Of the scaled law: factor on the note's windward pressure (dragval calibrate)")
       ->check(CLI::Range(0.0, 3.0))
@@ -47,13 +64,13 @@ void add_model_options(CLI::App& command, ModelOptions& options) {
   command.add_option("--base-suction", options.base_suction, "Of the scaled law: suction coefficient of leeward faces")
       ->check(CLI::Range(0.0, 3.0))
       ->capture_default_str();
-  command.add_option("--pillow", options.pillow, "Form of the pillow effect: none, triangle, patch, tilt or eccentricity")
-      ->capture_default_str();
+  command.add_option(
+      "--pillow", options.pillow,
+      "Form of the pillow effect: none, triangle, patch, tilt or eccentricity (default: the recommended one with --law class, "
+      "else none)");
   command.add_option("--falloff", options.falloff, "Of the triangle and patch forms: circular or linear")->capture_default_str();
-  command.add_option("--factor", options.factor, "Factor of the pillow effect: 0 to 1, of the tilt form 0 to 1.5")->capture_default_str();
+  command.add_option("--factor", options.factor, "Factor of --pillow: 0 to 1, of the tilt form 0 to 1.5");
   command.add_option("--quadrature", options.quadrature, "Points per triangle: 1, 3 or 6, or 0 for adaptive")->capture_default_str();
-  command.add_option("--divisions", options.divisions, "Fineness of the triangles; 0: 2 on flat sides, 32 per quarter turn")
-      ->capture_default_str();
 }
 
 void add_source_options(CLI::App& command, SourceOptions& options) {
@@ -64,6 +81,15 @@ void add_source_options(CLI::App& command, SourceOptions& options) {
 }
 
 Sources load(const SourceOptions& options) {
+  const std::filesystem::path place = options.cache.empty() ? options.store : options.cache;
+  if (!std::filesystem::exists(place))
+    throw EnvironmentError(options.cache.empty()
+                               ? fmt::format("There is no {} in {}. Call dragval from the root of the repository, or name the file of "
+                                             "references with --store.",
+                                             place.string(), std::filesystem::current_path().string())
+                               : fmt::format("There is no cache folder {} in {}. Solve cases first, dragval run quick, or name the folder "
+                                             "with --cache.",
+                                             place.string(), std::filesystem::current_path().string()));
   compare::Reference all = options.cache.empty() ? compare::read_reference(options.store)
                                                  : compare::merged({}, compare::read_runs(std::filesystem::path(options.cache) / "runs"));
   Sources sources;

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "cfd_cases/campaign/slurm.hpp"
-#include "cfd_cases/campaign/subprocess.hpp"
+#include "cfd_cases/programs/subprocess.hpp"
 #include "compare/cli/campaign_options.hpp"
 #include "compare/cli/commands.hpp"
 

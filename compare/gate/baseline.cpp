@@ -18,9 +18,9 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* schema = "dragval baseline 1";
-// Budgets of new entries, in units of the coefficients: half a percent of a coefficient of order one for a group, one percent for a case.
-constexpr double group_budget = 0.005;
-constexpr double case_budget = 0.01;
+
+/// The budget of an earlier baseline, where it is one.
+double kept_budget(double previous, double standing) { return previous > 0.0 && previous <= standing ? previous : standing; }
 
 json optional_json(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
 std::optional<double> optional_from(const json& value) { return value.is_null() ? std::nullopt : std::optional(value.get<double>()); }
@@ -49,7 +49,7 @@ std::vector<NamedModel> gated_models() {
       {"note, tilt pillow 0.9", Model{.law = dragcore::note_law(), .pillow = {PillowForm::tilt, 0.9}}},
       {"consistent, tilt pillow 0.9", Model{.law = dragcore::consistent_law(), .pillow = {PillowForm::tilt, 0.9}}},
       {"scaled 0.89 suction 0.25, tilt pillow 1.36", Model{.law = dragcore::scaled_law(0.89, 0.25), .pillow = {PillowForm::tilt, 1.36}}},
-      {"by class, tilt pillow 0.86", ModelChoice::of_class(dragcore::class_pillow())}};
+      {"by class, tilt pillow by class", ModelChoice::recommended()}};
 }
 
 Baseline make_baseline(const std::vector<case_record::CaseRecord>& records, const std::string& reason, const Baseline& previous) {
@@ -57,7 +57,7 @@ Baseline make_baseline(const std::vector<case_record::CaseRecord>& records, cons
   Baseline baseline;
   baseline.history = previous.history;
   baseline.history.push_back({today(), reason});
-  baseline.case_budget = previous.history.empty() ? case_budget : previous.case_budget;
+  baseline.case_budget = kept_budget(previous.case_budget, standing_case_budget);
   for (const NamedModel& named : gated_models()) {
     const ErrorTable table = compare_with(records, predictor(named.choice), named.name);
     Baseline::Model& model = baseline.models[named.name];
@@ -70,10 +70,11 @@ Baseline make_baseline(const std::vector<case_record::CaseRecord>& records, cons
       planned.insert(row.case_name);
     }
     for (const ErrorSummary& summary : table.summaries) {
-      double budget = group_budget;
+      double budget = standing_group_budget;
       if (const auto old = previous.models.find(named.name); old != previous.models.end())
         if (const auto group = old->second.groups.find(summary.group); group != old->second.groups.end())
-          if (const auto entry = group->second.find(symbol(summary.channel)); entry != group->second.end()) budget = entry->second.budget;
+          if (const auto entry = group->second.find(symbol(summary.channel)); entry != group->second.end())
+            budget = kept_budget(entry->second.budget, standing_group_budget);
       model.groups[summary.group][symbol(summary.channel)] = {summary.rms, budget};
     }
     baseline.planned.assign(planned.begin(), planned.end());
@@ -138,6 +139,8 @@ std::vector<std::string> differences(const Baseline& before, const Baseline& aft
     if (!listed(after.planned, name)) lines.push_back("- case " + name);
   for (const std::string& name : after.planned)
     if (!listed(before.planned, name)) lines.push_back("+ case " + name);
+  if (!same(before.case_budget, after.case_budget))
+    lines.push_back(fmt::format("budget of a case: {:g} -> {:g}", before.case_budget, after.case_budget));
   for (const auto& [name, model] : after.models) {
     const auto old = before.models.find(name);
     if (old == before.models.end()) {
@@ -147,6 +150,8 @@ std::vector<std::string> differences(const Baseline& before, const Baseline& aft
     for (const auto& [case_name, channels] : model.cases) {
       const auto old_case = old->second.cases.find(case_name);
       if (old_case == old->second.cases.end()) continue;  // told above
+      for (const auto& [channel, entry] : old_case->second)
+        if (!channels.contains(channel)) lines.push_back(fmt::format("- {} {} {}", name, case_name, channel));
       for (const auto& [channel, entry] : channels) {
         const auto found = old_case->second.find(channel);
         const Baseline::Entry was = found == old_case->second.end() ? Baseline::Entry{} : found->second;
@@ -154,14 +159,19 @@ std::vector<std::string> differences(const Baseline& before, const Baseline& aft
           lines.push_back(fmt::format("{} {} {}: model {} -> {}", name, case_name, channel, number(was.model), number(entry.model)));
         if (!same(was.cfd, entry.cfd))
           lines.push_back(fmt::format("{} {} {}: CFD {} -> {}", name, case_name, channel, number(was.cfd), number(entry.cfd)));
+        if (!same_uncertainty(was.u, entry.u))
+          lines.push_back(fmt::format("{} {} {}: u {:.6g} -> {:.6g}", name, case_name, channel, was.u, entry.u));
       }
     }
     for (const auto& [group, channels] : model.groups)
       for (const auto& [channel, entry] : channels) {
         const auto old_group = old->second.groups.find(group);
         if (old_group == old->second.groups.end() || !old_group->second.contains(channel)) continue;
-        if (const double was = old_group->second.at(channel).rms; !same(was, entry.rms))
-          lines.push_back(fmt::format("{} [{}] {}: rms error {:.6f} -> {:.6f}", name, group, channel, was, entry.rms));
+        const Baseline::Group& was = old_group->second.at(channel);
+        if (!same(was.rms, entry.rms))
+          lines.push_back(fmt::format("{} [{}] {}: rms error {:.6f} -> {:.6f}", name, group, channel, was.rms, entry.rms));
+        if (!same(was.budget, entry.budget))
+          lines.push_back(fmt::format("{} [{}] {}: budget {:g} -> {:g}", name, group, channel, was.budget, entry.budget));
       }
   }
   for (const auto& [name, model] : before.models)

@@ -14,6 +14,11 @@ namespace compare {
 /// The models that a gate watches: the note's law, alone and with pillows, the consistent and the scaled law, and the laws by class.
 std::vector<NamedModel> gated_models();
 
+/// The most by which errors may get worse, in units of the coefficients: half a percent of a coefficient of order one for a group, one
+/// percent for a case. A baseline may hold smaller budgets; run_gate() refuses larger ones, which would pass anything.
+constexpr double standing_group_budget = 0.005;
+constexpr double standing_case_budget = 0.01;
+
 /// What was accepted, with whose reason: predictions and errors of the gated models, and by how much they may get worse.
 struct Baseline {
   struct Entry {
@@ -38,7 +43,7 @@ struct Baseline {
   std::map<std::string, Model> models;
 };
 
-/// The state of these records as a baseline. Budgets are kept from `previous`, where it has them.
+/// The state of these records as a baseline. Budgets are kept from `previous` where it has them within the standing ones.
 /// @throws std::invalid_argument when no case is usable or the reason is empty
 Baseline make_baseline(const std::vector<case_record::CaseRecord>& records, const std::string& reason, const Baseline& previous = {});
 
@@ -46,7 +51,7 @@ Baseline make_baseline(const std::vector<case_record::CaseRecord>& records, cons
 Baseline read_baseline(const std::filesystem::path& path);
 void write_baseline(const std::filesystem::path& path, const Baseline& baseline);
 
-/// One line per case, channel or group that differs by more than rounding; empty when nothing does.
+/// One line per case, channel, group or budget that differs by more than rounding; empty when nothing does.
 std::vector<std::string> differences(const Baseline& before, const Baseline& after);
 
 }  // namespace compare

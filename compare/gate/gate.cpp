@@ -57,6 +57,42 @@ void compare_values(Tally& tally, const std::string& where, const std::optional<
               fmt::format("{} {:.9f}, baseline {:.9f}", where, *now, *was));
 }
 
+/// How far two uncertainties are apart, over what is rounding.
+double uncertainty_excess(double now, double was) { return std::abs(now - was) / std::max(rounding, 1e-6 * std::abs(now)); }
+
+void check_budget(Tally& tally, const std::string& where, double budget, double standing) {
+  const bool sound = budget > 0.0 && budget <= standing;
+  tally.add(sound ? 0.0 : 2.0, fmt::format("{} budget {:g}, above 0 and at most {:g} needed{}", where, budget, standing,
+                                           sound ? "" : "; dragval baseline accept puts it right"));
+}
+
+/// The rms errors that a baseline states against those that its own cases make.
+void check_group_errors(Tally& tally, const Baseline::Model& accepted, const std::map<std::string, std::string>& family_of) {
+  std::map<std::pair<std::string, std::string>, std::pair<double, int>> squares;
+  for (const auto& [case_name, channels] : accepted.cases) {
+    const auto family = family_of.find(case_name);
+    if (family == family_of.end()) return;  // a case has gone, of whichever group: coverage fails
+    for (const auto& [channel, entry] : channels)
+      if (entry.model && entry.cfd) {
+        auto& [sum, n] = squares[{family->second, channel}];
+        sum += (*entry.model - *entry.cfd) * (*entry.model - *entry.cfd), ++n;
+      }
+  }
+  for (const auto& [group, sum] : squares) {
+    const auto& [family, channel] = group;
+    const auto found = accepted.groups.find(family);
+    if (found == accepted.groups.end() || !found->second.contains(channel)) {
+      tally.add(2.0, fmt::format("{} {} has no rms error in the baseline", family, channel));
+      continue;
+    }
+    const Baseline::Group& stated = found->second.at(channel);
+    const double rms = std::sqrt(sum.first / sum.second);
+    tally.add(std::abs(stated.rms - rms) / (rounding * std::max(1.0, rms)),
+              fmt::format("{} {} rms error {:.6g} in the baseline, {:.6g} by its own cases", family, channel, stated.rms, rms));
+    check_budget(tally, family + " " + channel, stated.budget, standing_group_budget);
+  }
+}
+
 void check_null_channels(Tally& tally, const CaseFamily& family, const dragcore::Wrench& predicted) {
   // A triangulation need not share every mirror plane of its body (diagonals, facets): a thousandth of q A_ref is far above that and far
   // below any flipped or mixed axis. References: what their own uncertainty says, at least 2 % for a steady wake that leans to one side.
@@ -79,6 +115,8 @@ void check_null_channels(Tally& tally, const CaseFamily& family, const dragcore:
 
 }  // namespace
 
+bool same_uncertainty(double a, double b) { return uncertainty_excess(a, b) <= 1.0; }
+
 bool GateResult::passed() const {
   return complete() && !checks.empty() && std::all_of(checks.begin(), checks.end(), [](const GateCheck& check) { return check.passed; });
 }
@@ -98,11 +136,18 @@ GateResult run_gate(const Baseline& baseline, const std::vector<CaseRecord>& rec
     const Baseline::Model& accepted = found->second;
     const Predictor predict_case = predictor_of(named);
     const ErrorTable table = compare_with(records, predict_case, named.name);
-    Tally predictions(named.name + ": predictions"), references(named.name + ": references"), groups(named.name + ": group error"),
-        cases(named.name + ": case error"), signs(named.name + ": signs"), null(named.name + ": null channels");
+    Tally terms(named.name + ": terms of the baseline"), predictions(named.name + ": predictions"), references(named.name + ": references"),
+        groups(named.name + ": group error"), cases(named.name + ": case error"), signs(named.name + ": signs"),
+        null(named.name + ": null channels");
 
     std::map<std::pair<std::string, std::string>, const ErrorRow*> rows;
-    for (const ErrorRow& row : table.rows) rows[{row.case_name, symbol(row.channel)}] = &row;
+    std::map<std::string, std::string> family_of;
+    for (const ErrorRow& row : table.rows) {
+      rows[{row.case_name, symbol(row.channel)}] = &row;
+      family_of[row.case_name] = row.family;
+    }
+    check_budget(terms, "a case:", baseline.case_budget, standing_case_budget);
+    check_group_errors(terms, accepted, family_of);
     for (const auto& [case_name, channels] : accepted.cases)
       for (const auto& [channel, was] : channels) {
         const std::string where = case_name + " " + channel;
@@ -113,11 +158,13 @@ GateResult run_gate(const Baseline& baseline, const std::vector<CaseRecord>& rec
         if (!rows.contains({case_name, symbol(Channel::drag)})) continue;
         compare_values(predictions, where, now.model, was.model);
         compare_values(references, where, now.cfd, was.cfd);
+        terms.add(uncertainty_excess(now.u_numerical, was.u),
+                  fmt::format("{} u {:.6g} in the baseline, {:.6g} by the references", where, was.u, now.u_numerical));
         if (was.model && now.model && std::abs(*was.model) > 0.01)
           signs.add(*was.model * *now.model > 0.0 ? 0.0 : 2.0, fmt::format("{} {:+.4f}, baseline {:+.4f}", where, *now.model, *was.model));
         if (was.model && was.cfd && now.error) {
           const double before = std::abs(*was.model - *was.cfd), after = std::abs(*now.error);
-          const double allowed = std::max(baseline.case_budget, 2.0 * was.u);
+          const double allowed = std::max(baseline.case_budget, 2.0 * now.u_numerical);
           cases.add((after - before) / allowed,
                     fmt::format("{} |error| {:.4f}, was {:.4f}, may grow by {:.4f}", where, after, before, allowed));
         }
@@ -132,7 +179,7 @@ GateResult run_gate(const Baseline& baseline, const std::vector<CaseRecord>& rec
     for (const CaseOfRecord& chosen : records_of_pose)
       if (const CaseFamily& family = chosen.family; case_record::is_usable(family.record->status))
         check_null_channels(null, family, predict_case(*family.record));
-    for (const Tally* tally : {&predictions, &references, &groups, &cases, &signs, &null}) result.checks.push_back(tally->result());
+    for (const Tally* tally : {&terms, &predictions, &references, &groups, &cases, &signs, &null}) result.checks.push_back(tally->result());
   }
   // A case counts when every model was compared on it: one that is missing from a single model is a hole too.
   const auto everywhere = [&](const std::string& name) { return compared[name] == gated_models().size(); };

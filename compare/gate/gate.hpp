@@ -13,6 +13,9 @@ namespace compare {
 /// small.
 constexpr double rounding = 1e-9;
 
+/// Uncertainties come from fits and finite differences, which stretch rounding; an edit that matters is far larger.
+bool same_uncertainty(double a, double b);
+
 /// One check of one model, with its numbers.
 struct GateCheck {
   std::string name;  ///< "note: predictions"
@@ -31,6 +34,8 @@ struct GateResult {
 };
 
 /// Regression of the coefficient errors against the accepted baseline. Per model:
+///   terms        what the baseline allows is what the rules allow: u is that of the references, no budget is above the standing one, and
+///                the rms errors are those of the baseline's own numbers
 ///   predictions  equal the baseline's to rounding
 ///   references   equal the baseline's to rounding: a gate sees no noise of the CFD
 ///   group error  no rms error worse by more than its budget

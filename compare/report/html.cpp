@@ -66,6 +66,7 @@ std::string Table::text() const {
     for (const Cell& cell : cells) {
       row += fmt::format("<{}", tag);
       if (!cell.kind.empty()) row += fmt::format(" class=\"{}\"", cell.kind);
+      if (!cell.title.empty()) row += fmt::format(" title=\"{}\"", escape(cell.title));
       if (cell.columns > 1) row += fmt::format(" colspan=\"{}\"", cell.columns);
       row += fmt::format(">{}</{}>", cell.html, tag);
     }

@@ -27,6 +27,7 @@ struct Cell {
   std::string html;
   std::string kind = {};  ///< CSS classes: "text" (left), "faint", "bad", "good", ...
   int columns = 1;
+  std::string title = {};  ///< plain text that a browser shows on the cell
 };
 
 /// A table with a caption; numbers are right-aligned unless the cell is of kind "text".

@@ -26,7 +26,7 @@ void replace(std::string& page, const std::string& mark, const std::string& text
 }  // namespace
 
 std::string ReportedModel::label() const {
-  return pillow == "none" ? law : fmt::format("{}, {} pillow {:.2f}", law, pillow, choice.model.pillow.factor);
+  return pillow == "none" ? law : law + ", " + choice.pillow_label();
 }
 
 Report make_report(Reference reference, std::vector<CaseRecord> spinning, const std::vector<std::string>& missing, bool quick_cost) {
@@ -50,7 +50,7 @@ Report make_report(Reference reference, std::vector<CaseRecord> spinning, const 
   for (const bool with_pillow : {false, true})
     for (const Fit& fit : report.calibration->fits)
       if ((fit.model.pillow.form != dragcore::PillowForm::none) == with_pillow) add(fit.model);
-  add(ModelChoice::of_class(dragcore::class_pillow()));
+  add(ModelChoice::recommended());
   report.cost = measure_cost(cases, *report.calibration, quick_cost);
   return report;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "compare/reference/uncertainty.hpp"
 #include "compare/report/report.hpp"
@@ -106,7 +107,8 @@ std::vector<double> fine_angles(const Sweep& sweep, const std::vector<const Erro
 json sweep_panel(const Report& report, const Sweep& sweep, Channel channel, const std::string& title, bool with_pillow, int width,
                  int height) {
   const auto rows = rows_of(report.models.front().table, sweep, channel);
-  const std::vector<double> angles = fine_angles(sweep, rows);
+  // Every pose has a C_D: the panels of a sweep share their axis.
+  const std::vector<double> angles = fine_angles(sweep, rows_of(report.models.front().table, sweep, Channel::drag));
   json lines = json::array(), points = json::array(), literature = json::array();
   for (const ReportedModel& model : report.models) {
     // The form per triangle depends on the triangulation: a curve of it would be one of the mesh. It has its rows in the tables.
@@ -178,7 +180,8 @@ json drag_figure(const Report& report, const std::vector<Sweep>& list) {
   spec["hconcat"] = json::array();
   for (const Sweep& sweep : list) {
     if (!sweep.curve) continue;
-    const std::string title = "C_D, " + sweep.title.substr(0, sweep.title.find(" at "));
+    const std::string body = sweep.title.substr(0, sweep.title.find(" at "));
+    const std::string title = "C_D, " + body + (sweep.detail.empty() ? "" : ", " + sweep.detail);
     spec["hconcat"].push_back(sweep_panel(report, sweep, Channel::drag, title, false, 250, 230));
   }
   spec["spacing"] = 50;
@@ -188,7 +191,7 @@ json drag_figure(const Report& report, const std::vector<Sweep>& list) {
 }
 
 /// Mean C_p of planar faces against the cosine of their angle to the flow: where on the body a law is wrong.
-json face_pressure_figure(const Report& report, const std::vector<Sweep>& list) {
+json face_pressure_figure(const Report& report) {
   constexpr double edge = 0.1;  // of A_ref: smaller faces are the edges of plates, which live in the wake of their neighbours
   json lines = json::array(), points = json::array(), shapes = json::array();
   for (const ReportedModel& model : report.models) {
@@ -200,24 +203,25 @@ json face_pressure_figure(const Report& report, const std::vector<Sweep>& list) 
       lines.push_back({{"c", c}, {"pressure", pressure}, {"series", model.law}});
     }
   }
-  for (const Sweep& sweep : list)
-    for (const CaseRecord* record : sweep.cases) {
-      const auto index = static_cast<std::size_t>(record - report.reference.cases.data());
-      if (!case_record::is_usable(record->status) || record->flow_model == "laminar" || index >= report.reference.patches.size()) continue;
-      const dragcore::ShapeProperties body = dragcore::properties(record->shape);
-      for (const PatchMean& patch : report.reference.patches[index]) {
-        if (patch.name.starts_with("curved") || patch.area < edge * body.reference_area) continue;
-        const double c = -(record->pose.rotation() * patch.area_vector).x() / patch.area;
-        const std::string shape = shape_label(record->shape);
-        if (std::find(shapes.begin(), shapes.end(), shape) == shapes.end()) shapes.push_back(shape);
-        points.push_back({{"c", c},
-                          {"pressure", patch.pressure_coefficient},
-                          {"series", openfoam_point},
-                          {"body", shape},
-                          {"case", record->name},
-                          {"face", patch.name}});
-      }
+  std::set<std::string> of_record;
+  for (const ErrorRow& row : report.models.front().table.rows) of_record.insert(row.case_name);
+  for (std::size_t i = 0; i < std::min(report.reference.cases.size(), report.reference.patches.size()); ++i) {
+    const CaseRecord& record = report.reference.cases[i];
+    if (!of_record.contains(record.name) || !case_record::is_usable(record.status) || record.flow_model == "laminar") continue;
+    const dragcore::ShapeProperties body = dragcore::properties(record.shape);
+    for (const PatchMean& patch : report.reference.patches[i]) {
+      if (patch.name.starts_with("curved") || patch.area < edge * body.reference_area) continue;
+      const double c = -(record.pose.rotation() * patch.area_vector).x() / patch.area;
+      const std::string shape = shape_label(record.shape);
+      if (std::find(shapes.begin(), shapes.end(), shape) == shapes.end()) shapes.push_back(shape);
+      points.push_back({{"c", c},
+                        {"pressure", patch.pressure_coefficient},
+                        {"series", openfoam_point},
+                        {"body", shape},
+                        {"case", record.name},
+                        {"face", patch.name}});
     }
+  }
   json spec = base();
   if (points.empty()) return nullptr;
   json x = quantitative("c", "c, cosine between the face's outward normal and the oncoming flow (windward > 0)");
@@ -377,7 +381,7 @@ std::map<std::string, json> figures(const Report& report) {
   for (const Sweep& sweep : list)
     if (sweep.curve) found["sweep-" + sweep.slug()] = sweep_figure(report, sweep);
   if (!found.empty()) found["drag_against_orientation"] = drag_figure(report, list);
-  for (auto& [name, spec] : {std::pair{"cost", cost_figure(report)}, std::pair{"face_pressure", face_pressure_figure(report, list)}})
+  for (auto& [name, spec] : {std::pair{"cost", cost_figure(report)}, std::pair{"face_pressure", face_pressure_figure(report)}})
     if (!spec.is_null()) found[name] = spec;
   return found;
 }

@@ -8,8 +8,10 @@
 #include <fstream>
 #include <functional>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include "compare/reference/uncertainty.hpp"
 #include "compare/report/html.hpp"
@@ -118,11 +120,7 @@ const ReportedModel& best_law(const Report& report) {
 std::string worst_text(const Report& report, const ErrorSummary& statistics) {
   for (const ErrorRow& row : report.models.front().table.rows)
     if (row.case_name == statistics.worst_case) {
-      std::string where = row.shape;
-      if (row.incidence_deg != 0.0 || row.yaw_deg == 0.0) where += ", incidence " + degrees(row.incidence_deg);
-      if (row.yaw_deg != 0.0) where += ", yaw " + degrees(row.yaw_deg);
-      if (row.roll_deg != 0.0) where += ", roll " + degrees(row.roll_deg);
-      return number(statistics.worst, 3, true) + " (" + escape(where) + ")";
+      return number(statistics.worst, 3, true) + " (" + escape(row.shape + ", " + pose_text(row)) + ")";
     }
   return number(statistics.worst, 3, true);
 }
@@ -180,18 +178,34 @@ std::string verdict_section(const Report& report, const std::vector<Sweep>& list
     for (const char* name : {"rms", "bias", "worst"}) table.head[1].push_back({name});
   Table moments{.id = "moment-table",
                 .caption =
-                    "Rms error of the moment coefficient (<i>C</i><sub>m</sub> or <i>C</i><sub>n</sub>, whichever the sweep drives), by "
-                    "law and pillow form."};
-  moments.head = {{{"body", "text"}, {"rms of OpenFOAM's"}}};
+                    "Rms error of the moment coefficient that each sweep drives, <i>C</i><sub>n</sub> by yaw and <i>C</i><sub>m</sub> by "
+                    "incidence, over the poses of the sweep, by law and pillow form."};
+  moments.head = {{{"body", "text"}, {""}, {"rms of OpenFOAM's"}}};
   const auto models = models_by_law(report);
   add_model_heads(moments, models);
 
+  std::map<std::pair<std::string, bool>, bool> family_told;
   for (const Sweep& sweep : list)
     for (const bool held_out : {false, true}) {
       const RowFilter filter = [&](const ErrorRow& row) { return row.family == sweep.family && row.held_out == held_out && row.error; };
-      const auto statistics = summary(note, Channel::drag, filter);
-      if (!statistics) continue;
+      const RowFilter on_sweep = [&](const ErrorRow& row) { return filter(row) && sweep.holds(row); };
       const std::string body = escape(sweep.title) + (held_out ? " (held out)" : "");
+      double squares = 0.0;
+      int n = 0;
+      for (const ErrorRow& row : note.table.rows)
+        if (row.channel == sweep.moment && row.cfd && on_sweep(row)) squares += *row.cfd * *row.cfd, ++n;
+      if (n > 0 && sweep.curve) {
+        std::vector<Cell> cells = {{body, "text tight"}, {html::symbol(symbol(sweep.moment))}, {number(std::sqrt(squares / n), 4)}};
+        for (const ReportedModel* model : models) {
+          const auto found = summary(*model, sweep.moment, on_sweep);
+          cells.push_back({found ? number(found->rms, 4) : "\u2013"});
+        }
+        moments.rows.push_back(cells);
+      }
+
+      // C_D of all poses of a family, on a sweep or not: once.
+      const auto statistics = summary(note, Channel::drag, filter);
+      if (!statistics || std::exchange(family_told[{sweep.family, held_out}], true)) continue;
       std::vector<Cell> cells = {{body, "text"}, {std::to_string(statistics->n)}};
       for (const ReportedModel* model : {&note, &best}) {
         if (model == &best && judged.size() == 1) continue;
@@ -200,21 +214,9 @@ std::string verdict_section(const Report& report, const std::vector<Sweep>& list
                                         [&](const ErrorRow& row) { return row.case_name == found.worst_case; });
         cells.push_back({number(found.rms, 3)});
         cells.push_back({number(found.bias, 3, true) + (found.bias_half_width ? " \u00b1 " + number(*found.bias_half_width, 3) : "")});
-        cells.push_back({number(found.worst, 3, true) + " at " + degrees(sweep.angle_of(*worst))});
+        cells.push_back({number(found.worst, 3, true) + " at " + pose_text(*worst)});
       }
       table.rows.push_back(cells);
-
-      double squares = 0.0;
-      int n = 0;
-      for (const ErrorRow& row : note.table.rows)
-        if (row.channel == sweep.moment && row.cfd && filter(row)) squares += *row.cfd * *row.cfd, ++n;
-      if (n == 0 || !sweep.curve) continue;
-      std::vector<Cell> moment_cells = {{body, "text tight"}, {number(std::sqrt(squares / n), 4)}};
-      for (const ReportedModel* model : models) {
-        const auto found = summary(*model, sweep.moment, filter);
-        moment_cells.push_back({found ? number(found->rms, 4) : "\u2013"});
-      }
-      moments.rows.push_back(moment_cells);
     }
   text += table.text();
   if (!moments.rows.empty()) text += moments.text();
@@ -302,6 +304,12 @@ std::string figures_section(const Report& report, const std::vector<Sweep>& list
 
 // --- 4. Errors by orientation ----------------------------------------------------------------------------------------------------------
 
+/// Why a row has no coefficient.
+std::string why_empty(const ErrorRow& row) {
+  if (!case_record::is_usable(case_record::status_from(row.status))) return row.status + ": " + row.reason;
+  return row.reason.empty() ? "not defined: the force has no part across the chord" : row.reason;
+}
+
 /// @param wide  model, error and percentage of each law; else the error alone of every model
 std::string error_table(const Report& report, const Sweep& sweep, Channel channel, bool wide) {
   const auto rows = rows_of(report.models.front().table, sweep, channel);
@@ -329,12 +337,9 @@ std::string error_table(const Report& report, const Sweep& sweep, Channel channe
   }
   const int model_columns = static_cast<int>(models.size()) * (wide ? 3 : 1);
   for (const ErrorRow* row : rows) {
-    std::vector<Cell> cells = {{degrees(sweep.angle_of(*row)) + (row->held_out ? " held out" : ""), "text tight"}};
+    std::vector<Cell> cells = {{degrees(sweep.angle_of(*row)) + (row->held_out ? " held out" : ""), "text tight", 1, row->case_name}};
     if (!row->cfd) {
-      const std::string why = case_record::is_usable(case_record::status_from(row->status))
-                                  ? "not defined: the force has no part across the chord"
-                                  : row->status + ": " + row->reason;
-      cells.push_back({escape(why), "text bad", 1 + (any_published ? 1 : 0) + model_columns});
+      cells.push_back({escape(why_empty(*row)), "text bad", 1 + (any_published ? 1 : 0) + model_columns});
       table.rows.push_back(cells);
       continue;
     }
@@ -354,6 +359,46 @@ std::string error_table(const Report& report, const Sweep& sweep, Channel channe
   return table.text();
 }
 
+/// Poses on no sweep, a table for each family: every channel, whole names, and the error of every model.
+std::vector<std::string> off_sweep_tables(const Report& report, const std::vector<Sweep>& list) {
+  constexpr int decimals = 4;
+  const auto models = models_by_law(report);
+  std::vector<std::string> tables;
+  Table table;
+  std::string family, case_name;
+  const auto end_table = [&] {
+    if (!table.rows.empty()) tables.push_back(fmt::format("<h3>{}, other poses</h3>\n", escape(family)) + table.text());
+  };
+  for (const ErrorRow* row : rows_off_sweeps(report.models.front().table, list)) {
+    if (row->family != family) {
+      end_table();
+      family = row->family;
+      table = {.id = "errors-" + slug_of(family) + "-other", .caption = "Poses on no sweep: OpenFOAM, and the error of every model."};
+      table.head = {{{"case", "text"}, {"pose", "text"}, {""}, {"OpenFOAM \u00b1 <i>u</i>", "tight"}}};
+      add_model_heads(table, models);
+    }
+    const bool next = std::exchange(case_name, row->case_name) != row->case_name;
+    std::vector<Cell> cells = {{next ? escape(row->case_name) + (row->held_out ? " held out" : "") : "", "text tight", 1, row->case_name},
+                               {next ? pose_text(*row) : "", "text tight"},
+                               {html::symbol(symbol(row->channel))}};
+    if (!row->cfd) {
+      cells.push_back({escape(why_empty(*row)), "text bad", 1 + static_cast<int>(models.size())});
+      table.rows.push_back(cells);
+      continue;
+    }
+    cells.push_back({with_uncertainty(*row->cfd, row->u, row->discretisation_assessed, decimals)});
+    for (const ReportedModel* model : models) {
+      const auto same = std::find_if(model->table.rows.begin(), model->table.rows.end(), [&](const ErrorRow& other) {
+        return other.case_name == row->case_name && other.channel == row->channel;
+      });
+      cells.push_back(error_cell(same == model->table.rows.end() ? nullptr : &*same, decimals));
+    }
+    table.rows.push_back(cells);
+  }
+  end_table();
+  return tables;
+}
+
 std::string errors_section(const Report& report, const std::vector<Sweep>& list) {
   std::string text =
       "<p>Error = law \u2212 OpenFOAM. In parentheses: smaller than 2<i>u</i>, within the noise of the reference. A percentage is given "
@@ -364,6 +409,7 @@ std::string errors_section(const Report& report, const std::vector<Sweep>& list)
     text += error_table(report, sweep, Channel::drag, true) + error_table(report, sweep, sweep.force, true);
     text += error_table(report, sweep, sweep.moment, false) + error_table(report, sweep, Channel::centre_of_pressure, false);
   }
+  for (const std::string& channel_table : off_sweep_tables(report, list)) text += channel_table;
   Table missing{.id = "missing-table", .caption = "Planned, but without a result."};
   missing.head = {{{"case", "text"}, {"reason", "text"}}};
   for (const ErrorRow& row : report.models.front().table.rows)
@@ -563,21 +609,21 @@ std::string cost_section(const Report& report, const std::map<std::string, nlohm
   }
   if (!times.rows.empty()) text += times.text();
 
-  Table openfoam{.id = "cfd-cost-table",
-                 .caption =
-                     "OpenFOAM by mesh level: medians over the usable cases; CPU seconds. Last column: largest |difference| of "
-                     "<i>C</i><sub>D</sub> from the finest mesh of the same case."};
-  openfoam.head = {{{"body", "text"},
-                    {"Re"},
-                    {"mesh", "text"},
-                    {"cases"},
-                    {"cells"},
-                    {"iterations"},
-                    {"mesh"},
-                    {"convert"},
-                    {"solve"},
-                    {"total"},
-                    {"|\u0394<i>C</i><sub>D</sub>|"}}};
+  Table solver_cost{.id = "cfd-cost-table",
+                    .caption =
+                        "OpenFOAM by mesh level: medians over the usable cases; CPU seconds. Last column: largest |difference| of "
+                        "<i>C</i><sub>D</sub> from the finest mesh of the same case."};
+  solver_cost.head = {{{"body", "text"},
+                       {"Re"},
+                       {"mesh", "text"},
+                       {"cases"},
+                       {"cells"},
+                       {"iterations"},
+                       {"mesh"},
+                       {"convert"},
+                       {"solve"},
+                       {"total"},
+                       {"|\u0394<i>C</i><sub>D</sub>|"}}};
   std::map<std::tuple<std::string, double, std::string>, std::vector<const CfdCost*>> levels;
   for (const CfdCost& row : report.cost.cfd) levels[{row.shape, -row.reynolds, row.mesh_level}].push_back(&row);
   std::vector<std::vector<const CfdCost*>> groups;
@@ -595,19 +641,19 @@ std::string cost_section(const Report& report, const std::map<std::string, nlohm
     std::optional<double> worst;
     for (const CfdCost* row : rows)
       if (row->drag_error) worst = std::max(worst.value_or(0.0), *row->drag_error);
-    openfoam.rows.push_back({{escape(rows.front()->shape), "text"},
-                             {reynolds_text(rows.front()->reynolds)},
-                             {escape(rows.front()->mesh_level), "text"},
-                             {std::to_string(rows.size())},
-                             {html::count(middle(&CfdCost::cells))},
-                             {number(middle(&CfdCost::iterations), 0)},
-                             {number(middle(&CfdCost::mesh_s), 1)},
-                             {number(middle(&CfdCost::convert_s), 1)},
-                             {number(middle(&CfdCost::solve_s), 1)},
-                             {number(middle(&CfdCost::total_s), 1)},
-                             {number(worst, 4)}});
+    solver_cost.rows.push_back({{escape(rows.front()->shape), "text"},
+                                {reynolds_text(rows.front()->reynolds)},
+                                {escape(rows.front()->mesh_level), "text"},
+                                {std::to_string(rows.size())},
+                                {html::count(middle(&CfdCost::cells))},
+                                {number(middle(&CfdCost::iterations), 0)},
+                                {number(middle(&CfdCost::mesh_s), 1)},
+                                {number(middle(&CfdCost::convert_s), 1)},
+                                {number(middle(&CfdCost::solve_s), 1)},
+                                {number(middle(&CfdCost::total_s), 1)},
+                                {number(worst, 4)}});
   }
-  if (!groups.empty()) text += openfoam.text();
+  if (!groups.empty()) text += solver_cost.text();
 
   Table checks{
       .id = "cost-check-table",

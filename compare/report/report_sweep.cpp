@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -15,6 +17,45 @@ namespace compare {
 namespace {
 
 constexpr double deg = std::numbers::pi / 180.0;
+constexpr std::array angle_names = {"incidence", "yaw", "roll"};
+
+std::array<double, 3> angles_of(const ErrorRow& row) { return {row.incidence_deg, row.yaw_deg, row.roll_deg}; }
+
+std::string pose_text(const std::array<double, 3>& angles_deg) {
+  std::string text;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (angles_deg[k] != 0.0) text += fmt::format("{}{} {:.4g}\u00b0", text.empty() ? "" : ", ", angle_names[k], angles_deg[k]);
+  return text.empty() ? "0\u00b0" : text;
+}
+
+/// Rows whose poses differ in one angle alone, in its order.
+struct Line {
+  std::size_t angle = 0;  ///< index into angle_names
+  std::vector<const ErrorRow*> rows;
+};
+
+/// The line with the most rows, of those whose rows are not all told: `fewest` are needed, and two of them new unless `told` is empty.
+Line longest_line(const std::vector<const ErrorRow*>& rows, const std::set<const ErrorRow*>& told, std::size_t fewest) {
+  constexpr double same = 1e-6;  // [deg]: poses are written with at most seven decimals
+  Line longest;
+  std::ptrdiff_t most_new = 0;
+  for (std::size_t k = 0; k < 3; ++k)
+    for (const ErrorRow* through : rows) {
+      Line line{k, {}};
+      for (const ErrorRow* row : rows) {
+        const auto a = angles_of(*through), b = angles_of(*row);
+        const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
+        if (std::abs(a[i] - b[i]) < same && std::abs(a[j] - b[j]) < same) line.rows.push_back(row);
+      }
+      const auto fresh = std::count_if(line.rows.begin(), line.rows.end(), [&](const ErrorRow* row) { return !told.contains(row); });
+      if (line.rows.size() < fewest || fresh < (told.empty() ? 1 : 2) || fresh <= most_new) continue;
+      most_new = fresh;
+      longest = std::move(line);
+    }
+  std::stable_sort(longest.rows.begin(), longest.rows.end(),
+                   [&](const ErrorRow* a, const ErrorRow* b) { return angles_of(*a)[longest.angle] < angles_of(*b)[longest.angle]; });
+  return longest;
+}
 
 }  // namespace
 
@@ -38,51 +79,66 @@ double Sweep::angle_of(const ErrorRow& row) const {
   return angle == "yaw" ? row.yaw_deg : angle == "roll" ? row.roll_deg : row.incidence_deg;
 }
 
-std::string Sweep::slug() const {
+bool Sweep::holds(const ErrorRow& row) const {
+  return std::any_of(cases.begin(), cases.end(), [&](const CaseRecord* record) { return record->name == row.case_name; });
+}
+
+std::string slug_of(const std::string& text) {
   std::string id;
-  for (const char letter : family) {
+  for (const char letter : text) {
     if (std::isalnum(static_cast<unsigned char>(letter)))
       id += letter;
     else if (!id.empty() && id.back() != '-')
       id += '-';
   }
+  if (id.ends_with('-')) id.pop_back();
   return id;
 }
 
+std::string Sweep::slug() const { return slug_of(detail.empty() ? family : family + " " + detail); }
+
+std::string pose_text(const ErrorRow& row) { return pose_text(std::array{row.incidence_deg, row.yaw_deg, row.roll_deg}); }
+
 std::vector<Sweep> sweeps(const Report& report) {
-  const ErrorTable& table = report.models.front().table;
   std::map<std::string, const CaseRecord*> records;
   for (const CaseRecord& record : report.reference.cases) records[record.name] = &record;
-  std::map<std::string, Sweep> found;
-  std::map<std::string, std::set<Channel>> channels;
-  for (const ErrorRow& row : table.rows) {
-    channels[row.family].insert(row.channel);
-    if (row.channel != Channel::drag || row.status == "missing") continue;
-    Sweep& sweep = found[row.family];
-    sweep.family = row.family;
-    sweep.cases.push_back(records.at(row.case_name));
-  }
+  std::map<std::string, std::vector<const ErrorRow*>> families;
+  for (const ErrorRow& row : report.models.front().table.rows)
+    if (row.channel == Channel::drag && row.status != "missing") families[row.family].push_back(&row);
+
   std::vector<Sweep> list;
-  for (auto& [family, sweep] : found) {
-    std::array<std::set<double>, 3> angles;  // incidence, yaw, roll
-    for (const CaseRecord* record : sweep.cases) {
-      angles[0].insert(record->pose.incidence);
-      angles[1].insert(record->pose.yaw);
-      angles[2].insert(record->pose.roll);
+  for (const auto& [family, rows] : families) {
+    std::set<const ErrorRow*> told;
+    for (bool first = true;; first = false) {
+      const Line line = longest_line(rows, told, first ? 1 : 3);
+      if (line.rows.empty()) break;
+      told.insert(line.rows.begin(), line.rows.end());
+      Sweep sweep{.family = family, .angle = angle_names[line.angle]};
+      sweep.curve = line.rows.size() >= 3;
+      if (line.angle == 1) sweep.force = Channel::side, sweep.moment = Channel::yaw;
+      for (const ErrorRow* row : line.rows) sweep.cases.push_back(records.at(row->case_name));
+      const ErrorRow& row = *line.rows.front();
+      sweep.title = row.shape + " at Re " + reynolds_text(row.reynolds) +
+                    (flow_class(row.flow_model) == "k_omega_sst" ? ", k-\u03c9 SST" : ", " + row.flow_model);
+      std::array<double, 3> fixed = angles_of(row);
+      fixed[line.angle] = 0.0;
+      const bool turned = std::any_of(fixed.begin(), fixed.end(), [](double angle) { return angle != 0.0; });
+      if (!first || turned) sweep.detail = sweep.angle + (turned ? " at " + pose_text(fixed) : "");
+      if (!sweep.detail.empty()) sweep.title += ", " + sweep.detail;
+      list.push_back(sweep);
     }
-    const auto widest = static_cast<std::size_t>(
-        std::max_element(angles.begin(), angles.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); }) - angles.begin());
-    sweep.angle = std::array{"incidence", "yaw", "roll"}[widest];
-    sweep.curve = angles[widest].size() >= 3;
-    if (!channels[family].contains(Channel::lift)) sweep.force = Channel::side, sweep.moment = Channel::yaw;
-    const CaseRecord& record = *sweep.cases.front();
-    sweep.title = shape_label(record.shape) + " at Re " + reynolds_text(record.reynolds) +
-                  (flow_class(record.flow_model) == "k_omega_sst" ? ", k-\u03c9 SST" : ", " + record.flow_model);
-    list.push_back(sweep);
   }
   std::stable_sort(list.begin(), list.end(),
                    [](const Sweep& a, const Sweep& b) { return a.cases.front()->reynolds > b.cases.front()->reynolds; });
   return list;
+}
+
+std::vector<const ErrorRow*> rows_off_sweeps(const ErrorTable& table, const std::vector<Sweep>& list) {
+  std::vector<const ErrorRow*> rows;
+  for (const ErrorRow& row : table.rows)
+    if (row.status != "missing" && std::none_of(list.begin(), list.end(), [&](const Sweep& sweep) { return sweep.holds(row); }))
+      rows.push_back(&row);
+  return rows;
 }
 
 std::vector<Coefficients> coefficients_along(const Sweep& sweep, const ModelChoice& choice, const std::vector<double>& angles_deg) {
@@ -99,7 +155,7 @@ std::vector<Coefficients> coefficients_along(const Sweep& sweep, const ModelChoi
 std::vector<const ErrorRow*> rows_of(const ErrorTable& table, const Sweep& sweep, Channel channel) {
   std::vector<const ErrorRow*> rows;
   for (const ErrorRow& row : table.rows)
-    if (row.family == sweep.family && row.channel == channel && row.status != "missing") rows.push_back(&row);
+    if (row.channel == channel && row.status != "missing" && sweep.holds(row)) rows.push_back(&row);
   std::stable_sort(rows.begin(), rows.end(), [&](const ErrorRow* a, const ErrorRow* b) { return sweep.angle_of(*a) < sweep.angle_of(*b); });
   return rows;
 }

@@ -26,9 +26,9 @@ using hdf5::Number;
 using hdf5::Table;
 using nlohmann::json;
 
-// Major: readers of an older one would misread. Minor: columns were added.
+// Major: readers of an older one would misread. Minor: columns were added (1), the meshes of bodies that are given by triangles (2).
 constexpr int schema_major = 1;
-constexpr int schema_minor = 1;
+constexpr int schema_minor = 2;
 const std::string schema_version = fmt::format("{}.{}", schema_major, schema_minor);
 constexpr const char* run_schema = "dragval run";
 constexpr const char* reference_schema = "dragval reference";
@@ -151,6 +151,8 @@ const std::vector<NumberColumn>& number_columns() {
   return columns;
 }
 
+std::string checksum_text(const dragcore::MeshBody& body) { return fmt::format("{:016x}", body.checksum); }
+
 struct WordColumn {
   std::string name;
   std::string long_name;
@@ -191,7 +193,7 @@ const std::vector<WordColumn>& word_columns() {
           "tier", "matrix that asked for the case", [](auto& r) -> auto& { return r.tier; }),
       // These two make one value: read_cases() puts them together.
       {"shape", "kind of shape", [](const CaseRecord& r) { return dragcore::kind(r.shape); }, [](CaseRecord&, const std::string&) {}},
-      {"shape_parameters", "JSON; lengths in m, angles in deg",
+      {"shape_parameters", "JSON; lengths in m, angles in deg; of a body in meshes what it measures",
        [](const CaseRecord& r) { return json(dragcore::parameters(r.shape)).dump(); }, [](CaseRecord&, const std::string&) {}},
       words(
           "flow_model", "laminar or turbulence model", [](auto& r) -> auto& { return r.flow_model; }),
@@ -205,8 +207,12 @@ const std::vector<WordColumn>& word_columns() {
        [](CaseRecord& r, const std::string& word) { r.attempts = attempts_from_json(json::parse(word)); }},
       {"mesh_quality", "JSON, of checkMesh", [](const CaseRecord& r) { return json(r.mesh_quality).dump(); },
        [](CaseRecord& r, const std::string& word) { r.mesh_quality = json::parse(word).get<std::map<std::string, double>>(); }},
-      words(
-          "surface_checksum", "FNV-1a of the triangles of the shape", [](auto& r) -> auto& { return r.surface_checksum; }),
+      {"surface_checksum", "FNV-1a of the triangles of the shape; names the group in meshes of a body that is given by them",
+       [](const CaseRecord& r) {
+         const auto* body = std::get_if<dragcore::MeshBody>(&r.shape);
+         return body ? checksum_text(*body) : r.surface_checksum;
+       },
+       [](CaseRecord& r, const std::string& word) { r.surface_checksum = word; }},
       {"tools", "JSON, versions", [](const CaseRecord& r) { return json(r.tools).dump(); },
        [](CaseRecord& r, const std::string& word) { r.tools = json::parse(word).get<std::map<std::string, std::string>>(); }},
       words(
@@ -291,6 +297,69 @@ void write_cases(const Handle& file, const std::vector<CaseRecord>& cases) {
   }
 }
 
+/// The distinct bodies among the cases that are given by triangles, by checksum.
+std::map<std::string, const dragcore::MeshBody*> meshes_of(const std::vector<CaseRecord>& cases) {
+  std::map<std::string, const dragcore::MeshBody*> meshes;
+  for (const CaseRecord& record : cases)
+    if (const auto* body = std::get_if<dragcore::MeshBody>(&record.shape)) meshes[checksum_text(*body)] = body;
+  return meshes;
+}
+
+Table vertices_of(const dragcore::TriangleMesh& mesh) {
+  Table rows(static_cast<Eigen::Index>(mesh.vertices.size()), 3);
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) rows.row(i) = mesh.vertices[static_cast<std::size_t>(i)];
+  return rows;
+}
+
+Table corners_of(const dragcore::TriangleMesh& mesh) {
+  Table rows(static_cast<Eigen::Index>(mesh.triangles.size()), 3);
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) rows.row(i) = mesh.triangles[static_cast<std::size_t>(i)].cast<double>();
+  return rows;
+}
+
+void write_meshes(const Handle& file, const std::vector<CaseRecord>& cases) {
+  const Handle all = hdf5::create_group(file, "meshes");
+  for (const auto& [checksum, body] : meshes_of(cases)) {
+    const Handle group = hdf5::create_group(all, checksum);
+    hdf5::write(group, "vertices", vertices_of(*body->mesh), {"m", "from the centroid", "body", ""});
+    hdf5::write(group, "triangles", corners_of(*body->mesh), {"1", "rows of vertices, from 0; counterclockwise from outside", "", ""},
+                Number::integer);
+  }
+}
+
+dragcore::TriangleMesh read_triangles(const Handle& group) {
+  dragcore::TriangleMesh mesh;
+  const Table vertices = hdf5::read_table(group, "vertices"), triangles = hdf5::read_table(group, "triangles");
+  if (vertices.cols() != 3 || triangles.cols() != 3)
+    throw std::runtime_error("a mesh needs three coordinates a vertex and three corners a triangle");
+  for (const auto& row : vertices.rowwise()) mesh.vertices.emplace_back(row.transpose());
+  for (const auto& row : triangles.rowwise()) mesh.triangles.emplace_back(row.transpose().cast<int>());
+  return mesh;
+}
+
+/// Bodies given by triangles are known by their checksum in `meshes`; all others are made of their parameters.
+void read_shapes(const Handle& file, int minor, std::vector<CaseRecord>& cases) {
+  const Handle group = hdf5::open_group(file, "cases");
+  const auto kinds = hdf5::read_words(group, "shape"), parameters = hdf5::read_words(group, "shape_parameters");
+  std::map<std::string, dragcore::TriangleMesh> meshes;
+  if (minor >= 2) {
+    const Handle all = hdf5::open_group(file, "meshes");
+    for (const std::string& checksum : hdf5::members(all)) meshes[checksum] = read_triangles(hdf5::open_group(all, checksum));
+  }
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const auto of = json::parse(parameters[i]).get<std::map<std::string, double>>();
+    const auto mesh = meshes.find(cases[i].surface_checksum);
+    if (mesh == meshes.end()) {
+      cases[i].shape = dragcore::make_shape(kinds[i], of);
+      continue;
+    }
+    const auto body = dragcore::mesh_body(kinds[i], mesh->second, of.at("reference_area"), of.at("reference_length"));
+    if (checksum_text(body) != mesh->first)
+      throw std::runtime_error(fmt::format("the triangles of meshes/{} have the checksum {}", mesh->first, checksum_text(body)));
+    cases[i].shape = body;
+  }
+}
+
 int minor_version(const Handle& file) {
   const std::string version = hdf5::read_attribute(file, "schema_version");
   const std::size_t dot = version.find('.');
@@ -309,9 +378,7 @@ std::vector<CaseRecord> read_cases(const Handle& file) {
     check_rows(column.name, list.size());
     for (std::size_t i = 0; i < list.size(); ++i) column.set(cases[i], list[i]);
   }
-  const auto kinds = hdf5::read_words(group, "shape"), parameters = hdf5::read_words(group, "shape_parameters");
-  for (std::size_t i = 0; i < cases.size(); ++i)
-    cases[i].shape = dragcore::make_shape(kinds[i], json::parse(parameters[i]).get<std::map<std::string, double>>());
+  read_shapes(file, minor, cases);
   for (const NumberColumn& column : number_columns()) {
     if (column.since > minor) continue;
     const Table values = hdf5::read_table(group, column.name);
@@ -453,6 +520,10 @@ std::string content_digest(const Reference& reference, int minor = schema_minor)
   for (const auto& [column, values] : cases.numbers) add_table(column->name, values);
   for (const auto& [column, list] : cases.words) add_words(list);
   for (const auto& [stage, seconds] : cases.costs) add_table(stage, seconds);
+  for (const auto& [checksum, body] : meshes_of(reference.cases)) {
+    add_table(checksum, vertices_of(*body->mesh));
+    add_table(checksum, corners_of(*body->mesh));
+  }
   const PatchTable patches = tabulate_patches(reference.patches);
   add_table("case_index", patches.case_index);
   add_words(patches.names);
@@ -493,6 +564,7 @@ void write_run(const std::filesystem::path& path, const CaseRecord& record) {
   const std::scoped_lock lock(hdf5::library_mutex());
   hdf5::write_file(path, run_schema, schema_version, [&](const Handle& file) {
     write_cases(file, {record});
+    write_meshes(file, {record});
     write_surface(file, record.surface);
   });
 }
@@ -550,6 +622,7 @@ bool write_reference(const std::filesystem::path& path, const Reference& referen
     hdf5::write_attribute(file, "tools", json(tools).dump());
     hdf5::write_attribute(file, "conventions", "docs/conventions.md; wind frame: x downstream, y to starboard, z up; SI");
     write_cases(file, reference.cases);
+    write_meshes(file, reference.cases);
     write_patches(file, reference.patches);
   });
   return true;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
@@ -22,11 +23,20 @@ using Eigen::Vector3d;
 constexpr double deg = std::numbers::pi / 180.0;
 // A relative error says nothing where the reference is near zero: against the largest value of its group, or against its own noise.
 constexpr double near_zero = 0.05;
-constexpr double rounding_residue = 1e-9;  // coefficients that are zero but for rounding, u included
+constexpr double largest_arm_uncertainty = 1.0;  // of x_cp, in lengths of the body: a point that may as well lie beyond it is not known
+constexpr double rounding_residue = 1e-9;        // coefficients that are zero but for rounding, u included
 
-/// Which lateral force and moment the poses of a family drive; a pose at zero is compared in the same channels as its family.
+/// Which lateral force and moment a pose drives. A combined pose drives both; one at zero is compared in the channels of its family's
+/// sweeps, from which a combined pose takes nothing and to which it adds nothing.
 struct Driven {
   bool incidence = false, yaw = false;
+
+  static Driven by(const dragcore::Pose& pose) {
+    const bool combined = pose.roll != 0.0 && (pose.incidence != 0.0 || pose.yaw != 0.0);
+    return {pose.incidence != 0.0 || combined, pose.yaw != 0.0 || combined};
+  }
+  bool both() const { return incidence && yaw; }
+  bool none() const { return !incidence && !yaw; }
 
   std::vector<Channel> channels() const {
     std::vector<Channel> list = {Channel::drag};
@@ -105,14 +115,28 @@ std::vector<ErrorSummary> summaries_of(const std::vector<ErrorRow>& rows, const 
   return summaries;
 }
 
+/// The whole table in a few numbers.
+std::vector<ErrorSummary> totals_of(const std::vector<ErrorRow>& rows) {
+  const std::array<std::pair<const char*, std::function<bool(const ErrorRow&)>>, 3> groups = {
+      {{"turbulent", [](const ErrorRow& row) { return row.flow_model != "laminar" && !row.held_out; }},
+       {"turbulent, held out", [](const ErrorRow& row) { return row.flow_model != "laminar" && row.held_out; }},
+       {"laminar", [](const ErrorRow& row) { return row.flow_model == "laminar"; }}}};
+  std::vector<ErrorSummary> totals;
+  for (const auto& [name, belongs] : groups)
+    for (const Channel channel : all_channels) {
+      std::vector<const ErrorRow*> members;
+      for (const ErrorRow& row : rows)
+        if (row.channel == channel && row.error && belongs(row)) members.push_back(&row);
+      if (!members.empty()) totals.push_back(summarise(name, members));
+    }
+  return totals;
+}
+
 }  // namespace
 
 std::string shape_label(const dragcore::Shape& shape) {
   std::string label = dragcore::kind(shape);
-  const auto defaults = dragcore::parameters(dragcore::make_shape(label, {}));
-  for (const auto& [name, value] : dragcore::parameters(shape))
-    if (!defaults.contains(name) || std::abs(value - defaults.at(name)) > 1e-9 * std::abs(value))
-      label += fmt::format(" {}={:g}", name, value);
+  for (const auto& [name, value] : dragcore::changed_parameters(shape)) label += fmt::format(" {}={:g}", name, value);
   return label;
 }
 
@@ -170,17 +194,31 @@ ErrorSummary summarise(const std::string& group, const std::vector<const ErrorRo
   return summary;
 }
 
+namespace {
+
+std::string doubts_of(const dragcore::Validity& valid) {
+  std::string words;
+  for (unsigned bit = 1; bit <= valid.doubts; bit <<= 1)
+    if (valid.doubts & bit) words += (words.empty() ? "" : "; ") + to_string(static_cast<dragcore::Doubt>(bit));
+  return words;
+}
+
+}  // namespace
+
 ErrorTable compare_with(const std::vector<CaseRecord>& records, const Predictor& model, const std::string& model_name,
-                        const std::vector<std::string>& missing, const std::vector<GroupBy>& by) {
+                        const std::vector<std::string>& missing, const std::vector<GroupBy>& by, const CaseFilter& shown) {
+  const auto is_shown = [&](const std::string& case_name) { return !shown || shown(case_name); };
   ErrorTable table;
   table.model_name = model_name;
   const std::vector<CaseOfRecord> cases = cases_of_record(records);
   std::map<std::string, Driven> driven;
   for (const CaseOfRecord& chosen : cases) {
     const CaseRecord& record = *chosen.family.record;
+    const Driven own = Driven::by(record.pose);
     Driven& axes = driven[row_of(record).family];
-    axes.incidence |= record.pose.incidence != 0.0;
-    axes.yaw |= record.pose.yaw != 0.0;
+    if (own.both()) continue;
+    axes.incidence |= own.incidence;
+    axes.yaw |= own.yaw;
   }
 
   for (const CaseOfRecord& chosen : cases) {
@@ -191,14 +229,31 @@ ErrorTable compare_with(const std::vector<CaseRecord>& records, const Predictor&
     const dragcore::Wrench predicted = model(record);
     const Coefficients ours = coefficients(record, predicted.force, predicted.torque);
     const Coefficients theirs = coefficients(record);
+    const dragcore::Validity valid = validity(record);
+    row.doubts = doubts_of(valid);
+    if (usable && is_shown(record.name)) {
+      const Eigen::Vector3d found = theirs.values.head<3>();
+      const double relative = (ours.values.head<3>() - found).norm() / found.norm();
+      table.doubts.large += relative > 0.25;
+      table.doubts.doubted_large += relative > 0.25 && !valid.in_range();
+      table.doubts.small += relative < 0.1;
+      table.doubts.doubted_small += relative < 0.1 && !valid.in_range();
+    }
     row.discretisation_assessed = family.uncertainty.discretisation_assessed;
     const std::optional<Coefficients> other =
         chosen.other_branch ? std::optional(coefficients(*chosen.alternatives[*chosen.other_branch].record)) : std::nullopt;
-    for (const Channel channel : driven.at(row.family).channels()) {
+    const Driven own = Driven::by(record.pose);
+    for (const Channel channel : (own.none() ? driven.at(row.family) : own).channels()) {
       row.channel = channel;
       row.model = ours[channel];
       row.cfd = usable ? theirs[channel] : std::nullopt;
+      row.reason = record.reason;
       row.u = row.cfd ? channel_uncertainty(record, family.uncertainty, channel, true) : 0.0;
+      if (channel == Channel::centre_of_pressure && row.u > largest_arm_uncertainty) {
+        row.reason = fmt::format("not known: its u is {:.2g} lengths of the body", row.u);
+        row.cfd.reset();
+        row.u = 0.0;
+      }
       row.u_numerical = row.cfd ? channel_uncertainty(record, family.uncertainty, channel, false) : 0.0;
       row.other_branch = other ? (*other)[channel] : std::nullopt;
       row.error = row.model && row.cfd ? std::optional(*row.model - *row.cfd) : std::nullopt;
@@ -210,6 +265,7 @@ ErrorTable compare_with(const std::vector<CaseRecord>& records, const Predictor&
       if (channel == Channel::centre_of_pressure && !row.model && !row.cfd) continue;
       table.rows.push_back(row);
     }
+    if (!is_shown(record.name)) continue;
     if (usable) ++table.compared;
     if (usable) table.notes.push_back(mesh_note(family));
     if (!chosen.note.empty()) table.notes.push_back(chosen.note);
@@ -218,9 +274,13 @@ ErrorTable compare_with(const std::vector<CaseRecord>& records, const Predictor&
     return std::tie(a.family, a.roll_deg, a.incidence_deg, a.yaw_deg) < std::tie(b.family, b.roll_deg, b.incidence_deg, b.yaw_deg);
   });
   add_relative_errors(table.rows);
+  std::erase_if(table.rows, [&](const ErrorRow& row) { return !is_shown(row.case_name); });
+  table.totals = totals_of(table.rows);
   table.summaries = summaries_of(table.rows, by);
   table.published = published_checks(records);
+  std::erase_if(table.published, [&](const PublishedCheck& check) { return !is_shown(check.case_name); });
   for (const std::string& name : missing) {
+    if (!is_shown(name)) continue;
     ErrorRow row;
     row.case_name = name;
     row.family = row.shape = "no result";

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -41,6 +42,13 @@ struct ErrorRow {
   std::optional<double> relative_error;  ///< error / |cfd|; empty where |cfd| < 2u or < 5 % of the largest of its family and channel
   std::optional<Verdict> verdict;
   std::optional<PublishedValue> published;  ///< on the reference area of docs/conventions.md
+  std::string doubts;                       ///< why the laws by class may be wrong here (dragcore::Validity): "low Reynolds number; smooth body"
+};
+
+/// How often doubts are raised where they should be, and where not: cases by the relative error of the force vector.
+struct DoubtCount {
+  int large = 0, doubted_large = 0;  ///< beyond 25 %
+  int small = 0, doubted_small = 0;  ///< below 10 %
 };
 
 /// Errors of a group of rows of one channel. Bias with the 95 % interval of Student's t; worst: largest |error|.
@@ -64,9 +72,11 @@ struct ErrorSummary {
 struct ErrorTable {
   std::string model_name;
   std::vector<ErrorRow> rows;
+  std::vector<ErrorSummary> totals;  ///< of all shown rows: turbulent ones fitted to, turbulent ones held out, laminar ones; by channel
   std::vector<ErrorSummary> summaries;
   std::vector<PublishedCheck> published;  ///< the CFD chain against published values
   std::vector<std::string> notes;         ///< how u_disc was found, case by case, and which of several families stands for a pose
+  DoubtCount doubts;
   int compared = 0;                       ///< cases with both sides
 };
 
@@ -74,11 +84,16 @@ struct ErrorTable {
 enum class GroupBy { shape, orientation, reynolds, held_out };
 GroupBy group_by_from(const std::string& word);  ///< @throws std::invalid_argument with the known words
 
+/// Which cases a table shows, by their names; empty for all.
+using CaseFilter = std::function<bool(const std::string& case_name)>;
+
 /// Compares a model with the case of record of each pose, at its finest usable mesh.
-/// Channels: C_D; for families posed by incidence C_L and C_m, for those posed by yaw C_S and C_n; x_cp where it is defined.
+/// Channels: C_D; for poses by incidence C_L and C_m, for those by yaw C_S and C_n, for combined ones all four, and for a pose at zero
+/// those of the sweeps of its family; x_cp where it is defined and known to a length: further off it says nothing.
 /// @param missing  names of planned cases without a record: they become rows with status "missing"
+/// @param shown    the other cases still count for uncertainties, channels and relative errors, so that a row is the same in every choice
 ErrorTable compare_with(const std::vector<case_record::CaseRecord>& records, const Predictor& model, const std::string& model_name,
-                        const std::vector<std::string>& missing = {}, const std::vector<GroupBy>& by = {});
+                        const std::vector<std::string>& missing = {}, const std::vector<GroupBy>& by = {}, const CaseFilter& shown = {});
 
 /// The statistics of rows that carry an error, all of one channel.
 ErrorSummary summarise(const std::string& group, const std::vector<const ErrorRow*>& rows);

@@ -86,8 +86,6 @@ TextGrid grid_of(const std::vector<SpinRow>& rows) {
   return grid;
 }
 
-json optional_json(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
-
 }  // namespace
 
 std::vector<SpinRow> spin_table(const std::vector<CaseRecord>& records, const Predictor& model) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <nlohmann/json.hpp>
 
 namespace compare {
 namespace {
@@ -72,5 +73,7 @@ std::string number_text(const std::optional<double>& value, const char* format) 
   if ((text.starts_with('-') || text.starts_with('+')) && text.find_first_of("123456789") == std::string::npos) text.erase(0, 1);
   return text;
 }
+
+nlohmann::json optional_json(const std::optional<double>& value) { return value ? nlohmann::json(*value) : nlohmann::json(nullptr); }
 
 }  // namespace compare

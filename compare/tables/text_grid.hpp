@@ -2,6 +2,7 @@
 
 #include <fmt/color.h>
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,5 +27,7 @@ std::string csv_line(const std::vector<std::string>& cells);  ///< quoted where 
 
 /// Empty for no value. @param format  of fmt, for one double
 std::string number_text(const std::optional<double>& value, const char* format = "{:.3f}");
+
+nlohmann::json optional_json(const std::optional<double>& value);  ///< null for no value
 
 }  // namespace compare

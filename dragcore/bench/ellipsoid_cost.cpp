@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-#include "ellipsoid/ellipsoid_integrals.hpp"
+#include "support/ellipsoid_integrals.hpp"
 
 using namespace dragcore;
 using Eigen::Vector3d;

@@ -3,8 +3,10 @@
 #include <Eigen/Geometry>
 #include <cstdio>
 #include <dragcore/body_wind.hpp>
+#include <dragcore/diagnose.hpp>
 #include <dragcore/fluid_terms.hpp>
 #include <dragcore/gust.hpp>
+#include <dragcore/mass_properties.hpp>
 #include <dragcore/required_effects.hpp>
 #include <dragcore/stepping.hpp>
 #include <dragcore/turbulence.hpp>
@@ -15,7 +17,7 @@ using Eigen::Vector3d;
 
 int main() {
   // The body, once. A4, 80 g/m^2; its frame has the centre of mass at the origin and z across the sheet. An open mesh is a sheet: both sides feel the air.
-  const double length = 0.297, width = 0.210, mass = 0.08 * length * width;
+  const double length = 0.297, width = 0.210;
   const dragcore::TriangleMesh mesh{
       {{-length / 2, -width / 2, 0}, {length / 2, -width / 2, 0}, {length / 2, width / 2, 0}, {-length / 2, width / 2, 0}}, {{0, 1, 2}, {0, 2, 3}}};
   const dragcore::Surface surface(mesh);
@@ -23,8 +25,7 @@ int main() {
   const dragcore::Medium medium{.density = 1.2};
 
   // It carries more than its own mass of air along: that of an ellipsoid of its area, nearly flat.
-  dragcore::MassProperties body{
-      .mass = mass, .inertia = mass / 12 * Vector3d(width * width, length * length, length * length + width * width).asDiagonal().toDenseMatrix()};
+  dragcore::MassProperties body = sheet_mass_properties(mesh, 0.08);
   body.added = added_mass({.shape = {0.564 * length, 0.564 * width, 0.001}}, Vector3d::Zero(), medium);  // pi a b = the sheet's area
 
   // What this scene calls for, once: with the largest speed and spin to expect, whatever the motion is now.
@@ -53,11 +54,14 @@ int main() {
     dragcore::Motion motion{.velocity = to_body * velocity, .angular_velocity = gyroscopic_spin(body, to_body * spin, dt)};
     const auto here = dragcore::BodyWind::within(wind, surface, {position, to_world}, motion.reference_point, 0.1);
     here.apply_to(motion);
+    if (frame == 30)  // once, when it moves: units, frames and reference points that are usually mistakes
+      for (const dragcore::Warning& warning : diagnose(surface, motion, medium, {.to_world = to_world, .velocity = velocity}))
+        std::printf("warning: %s\n", warning.text.c_str());
 
     // What acts beside the drag: weight, and what the secant matrix misses where the wind varies over the body.
     const dragcore::Matrix6d S = resistance(surface, motion, medium, model);  // drag = S (V_air - V)
     dragcore::Vector6d external;
-    external << to_body * Vector3d(0, 0, -9.81 * mass), Vector3d::Zero();
+    external << to_body * Vector3d(0, 0, -9.81 * body.mass), Vector3d::Zero();
     if (here.sampling() != dragcore::WindSampling::constant) external += wind_excess(wrench(surface, motion, medium, model).total(), S, motion);
 
     const dragcore::Vector6d V = step_secant_implicit(S, body, motion, external, dt);  // new velocity and spin; the drag never adds energy

@@ -75,7 +75,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const char* known[] = {"note", "consistent", "sheet", "closed", name, nullptr};
   check_status(dragcore_named_law(known[bytes.take<std::uint8_t>() % 6], pointer(7, &model.law)));
 
-  dragcore_motion motion;
+  dragcore_motion motion{};
   for (auto* v : {&motion.wind, &motion.velocity, &motion.angular_velocity, &motion.reference_point}) bytes.fill(*v);
   bytes.fill(motion.wind_gradient);
   const double density = bytes.number();
@@ -108,7 +108,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   check_status(status);
   check_finite(status, matrix, 36, "resistance");
 
-  dragcore_body body;
+  dragcore_body body{};
   body.mass = bytes.number();
   bytes.fill(body.inertia);
   const double dt = bytes.number();
@@ -127,6 +127,89 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   status = dragcore_impulse_share(pointer(26, &wrench), pointer(27, &body), pointer(28, &motion), dt, pointer(29, &share));
   check_status(status);
   fuzz::check(status != DRAGCORE_OK || (share >= 0.0 && share <= 1.0), "the share of an impulse is from 0 to 1");
+
+  // What came later has a second word of NULLs, so that older inputs of the corpus mean what they meant.
+  const auto more_nulls = bytes.take<std::uint8_t>() % 4 == 0 ? bytes.take<std::uint32_t>() : 0u;
+  const auto other = [&](int bit, auto* p) { return more_nulls >> bit & 1 ? nullptr : p; };
+
+  dragcore_mesh* mesh = nullptr;
+  status = dragcore_mesh_create(other(0, vertices.data()), vertex_count, other(1, triangles.data()), triangle_count, other(2, &mesh));
+  check_status(status);
+  fuzz::check((status == DRAGCORE_OK) == (mesh != nullptr), "there is a mesh where there is no error");
+  double centre[3] = {};
+  for (const auto mass : {&dragcore_mass_properties, &dragcore_sheet_mass_properties}) {
+    dragcore_body found{};
+    status = mass(mesh, bytes.number(), other(3, &found), other(4, centre));
+    check_status(status);
+    check_finite(status, &found.mass, 1, "mass");
+    check_finite(status, found.inertia, 9, "inertia");
+    check_finite(status, centre, 3, "centre of mass");
+    fuzz::check(status != DRAGCORE_OK || found.mass > 0.0, "mass is positive");
+  }
+  bytes.fill(centre);
+  check_status(dragcore_mesh_recentre(mesh, other(5, centre)));
+  dragcore_mesh_destroy(mesh);
+
+  double placed[9], where[3];
+  bytes.fill(where);
+  bytes.fill(placed);
+  if (bytes.take<std::uint8_t>() % 4) std::copy_n(dragcore_no_placement().to_world, 9, placed);
+  std::size_t count = 0;
+  char text[64];
+  check_status(dragcore_diagnose(other(6, surface), other(7, &motion), density, other(8, placed), other(9, where), other(10, &count),
+                                 other(11, text), bytes.take<std::uint8_t>() % sizeof text));
+
+  dragcore_wind* wind = nullptr;
+  check_status(dragcore_wind_create(other(12, &wind)));
+  dragcore_placement placement = dragcore_no_placement();
+  if (bytes.take<std::uint8_t>() % 2) {
+    bytes.fill(placement.position);
+    bytes.fill(placement.scale);
+    placement.intensity = bytes.number();
+    placement.fade_radius = bytes.number();
+  }
+  check_status(dragcore_wind_add_uniform(wind, other(13, where), other(14, &placement)));
+  check_status(dragcore_wind_add_vortex(wind, bytes.number(), bytes.number(), &placement));
+  check_status(dragcore_wind_add_jet(wind, bytes.number(), bytes.number(), nullptr));
+  dragcore_grid grid{};
+  const double values[24] = {1, 2, 3};
+  for (int& points : grid.points) points = bytes.take<std::uint8_t>() % 3;  // at most the 8 points that there are
+  bytes.fill(grid.lower);
+  bytes.fill(grid.upper);
+  grid.values = other(15, values);
+  check_status(dragcore_wind_add_grid(wind, other(16, &grid), nullptr));
+  dragcore_dryden dryden{};
+  bytes.fill(dryden.intensity);
+  bytes.fill(dryden.length);
+  bytes.fill(dryden.mean_wind);
+  dryden.waves = bytes.take<std::int8_t>();
+  check_status(dragcore_wind_add_turbulence(wind, other(17, &dryden), nullptr));
+  check_status(dragcore_wind_set_time(wind, bytes.number()));
+  check_status(dragcore_wind_set_intensity(wind, bytes.take<std::uint8_t>() % 6, bytes.number()));
+  double gradient[9];
+  check_status(dragcore_wind_sample(wind, other(18, where), other(19, centre), other(20, gradient)));
+
+  std::size_t felt = 0;
+  if (surface) check_status(dragcore_surface_triangles(surface, &felt));
+  std::vector<double> per_triangle(3 * felt);
+  check_status(dragcore_wind_over_body(wind, surface, other(21, where), other(22, placed), bytes.number(), other(23, per_triangle.data()),
+                                       other(24, &motion)));
+  status = dragcore_evaluate(surface, &motion, density, &model, &wrench);
+  check_status(status);
+  check_finite(status, wrench.force, 3, "force in a wind field");
+
+  dragcore_scene scene{};
+  scene.surface = surface;
+  scene.motion = other(25, &motion);
+  scene.model = other(26, &model);
+  scene.density = density;
+  scene.held = bytes.take<std::uint8_t>() % 2;
+  scene.wind = bytes.take<std::uint8_t>() % 2 ? wind : nullptr;
+  scene.body = bytes.take<std::uint8_t>() % 2 ? &body : nullptr;
+  scene.tolerance = bytes.number();
+  dragcore_needs needs;
+  check_status(dragcore_required_effects(other(27, &scene), other(28, &needs), text, sizeof text));
+  dragcore_wind_destroy(wind);
   dragcore_surface_destroy(surface);
   return 0;
 }

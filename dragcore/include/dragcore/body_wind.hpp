@@ -7,8 +7,10 @@ namespace dragcore {
 
 /// Where a body is: r_world = rotation * r_body + position.
 struct BodyPlacement {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();      ///< of the body frame's origin, world [m]
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< a proper rotation
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< of the body frame's origin, world [m]
+  /// Body to world, a proper rotation to 1e-9: its columns are the body's axes. Of a unit quaternion:
+  /// Eigen::Quaterniond(w, x, y, z).toRotationMatrix(), where w is given first but stored last (`coeffs()` are x, y, z, w).
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
 };
 
 /// The wind that a body meets, in the body frame. Owns the values per triangle that Motion::triangle_wind refers to: keep it as long as the

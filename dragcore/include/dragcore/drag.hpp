@@ -32,6 +32,12 @@ struct Medium {
 /// from 0.004 to 0.5, six above 1, and a smooth blend between, so that no force jumps.
 enum class Quadrature { adaptive = 0, one = 1, three = 3, six = 6 };
 
+/// What parts of class `sheet` have in place of a model's law and pillow.
+struct SheetModel {
+  Law law = note_law();
+  Pillow pillow{};
+};
+
 /// A plain Model is the note's: no friction, no pillow. model_for() has what validation found best.
 struct Model {
   Law law = note_law();
@@ -40,6 +46,11 @@ struct Model {
   Effects effects = Effects::all();
   /// Refuses input that is not finite or out of range, and results that are not finite. Without it such values pass through to the result.
   bool check = true;
+  /// Of parts of class `sheet`, where a mesh has both sheets and bodies. Empty: as the others.
+  std::optional<SheetModel> sheets{};
+
+  const Law& law_of(BodyClass body_class) const { return sheets && body_class == BodyClass::sheet ? sheets->law : law; }
+  const Pillow& pillow_of(BodyClass body_class) const { return sheets && body_class == BodyClass::sheet ? sheets->pillow : pillow; }
 };
 
 /// Of what dissipating terms take, the share that terms pushing the body through the air may give back: eq. 13 of docs/model.md.
@@ -90,11 +101,12 @@ std::optional<LineOfAction> line_of_action(const Wrench& wrench, const Eigen::Ve
 std::optional<Eigen::Vector3d> centre_of_pressure(const LineOfAction& line, const Eigen::Vector3d& plane_point,
                                                   const Eigen::Vector3d& plane_normal);
 
-/// The tilt pillow that goes with the laws by class: kappa 0.86. `dragval calibrate` says what the present references make of it, and how
-/// surely.
-Pillow class_pillow();
+/// The tilt pillow that goes with a class: kappa 0.86 for sheets, 0.5 for closed bodies. `dragval calibrate` says what the present
+/// references make of them, and how surely.
+Pillow class_pillow(BodyClass body_class);
 
-/// law_for() the surface's class, with class_pillow(): what validation found best. See README for its errors.
+/// law_for() and class_pillow() of the surface's classes, sheets and bodies apart where it has both: what validation found best. See README
+/// for its errors.
 Model model_for(const Surface& surface);
 
 namespace reference {

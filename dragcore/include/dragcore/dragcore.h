@@ -5,7 +5,10 @@
  *
  * Functions return DRAGCORE_OK or an error; dragcore_last_error() then says, for the calling thread, what was found and what is needed.
  * A surface may be used by any number of threads at once. The library is C++ inside: gcc program.c -ldragcore -lstdc++ -lm, in this order.
- * Matrices are row by row; a symmetric one reads the same either way. */
+ * Matrices are row by row; a symmetric one reads the same either way. 6-vectors and 6 x 6 matrices have the linear part first, then the
+ * angular: entry 6 i + j of a matrix belongs to component i of (force, torque) and j of (velocity, angular velocity). Orientations are 3 x
+ * 3 matrices whose columns are the body's axes in the world, r_world = to_world r_body; there is no quaternion in this interface.
+ * docs/embedding.md is for engines that are left-handed or count in centimetres. */
 
 #include <stddef.h>
 
@@ -16,10 +19,12 @@ extern "C" {
 typedef enum dragcore_status {
   DRAGCORE_OK = 0,
   DRAGCORE_INVALID_ARGUMENT = 1, /* a value out of range, a null pointer, a mesh that is not usable */
-  DRAGCORE_FAILED = 2            /* anything else: out of memory, a result beyond the range of numbers */
+  DRAGCORE_FAILED = 2            /* anything else: out of memory, a result beyond the range of numbers, a file that cannot be read */
 } dragcore_status;
 
+typedef struct dragcore_mesh dragcore_mesh;       /* triangles over shared vertices [m] */
 typedef struct dragcore_surface dragcore_surface; /* a mesh prepared for drag */
+typedef struct dragcore_wind dragcore_wind;       /* wind fields in the world */
 
 /* Faces of a triangle that feel the air: the outer one of a body, both of a sheet. Automatic: two where the mesh is open,
  * but for a body with small holes: class Surface in dragcore/surface.hpp. */
@@ -33,7 +38,10 @@ typedef struct dragcore_motion {
   double angular_velocity[3]; /* [rad/s] */
   double reference_point[3];  /* torque is about it; usually the centre of mass [m] */
   double wind_gradient[9];    /* entry 3 i + j: change of wind component i along axis j [1/s] */
-} dragcore_motion;
+  /* Wind at the middle of every triangle of the surface, x y z each, in place of the two above; NULL: not used. The steps do not read it
+   * [m/s]. */
+  const double* triangle_wind;
+} dragcore_motion; /* set all of it to zero first */
 
 /* What a piece of surface feels: struct Law in dragcore/law.hpp has the meaning of every number. Start from dragcore_named_law(). */
 typedef struct dragcore_law {
@@ -63,7 +71,7 @@ typedef struct dragcore_model {
   dragcore_law law;
   int pillow; /* one of enum dragcore_pillow; int, since C lets any number into an enum and C++ none */
   double pillow_factor;
-  int falloff; /* one of enum dragcore_falloff */
+  int falloff;      /* one of enum dragcore_falloff */
   int quadrature;   /* points per triangle where the velocity varies over it: 1, 3 or 6, or 0 for adaptive */
   unsigned effects; /* DRAGCORE_ALL_EFFECTS, or the bits of those to evaluate */
 } dragcore_model;
@@ -74,8 +82,8 @@ typedef struct dragcore_wrench {
 } dragcore_wrench;
 
 typedef struct dragcore_body {
-  double mass;       /* [kg] */
-  double inertia[9]; /* about reference_point, which must be the centre of mass; body axes [kg m^2] */
+  double mass;           /* [kg] */
+  double inertia[9];     /* about reference_point, which must be the centre of mass; body axes [kg m^2] */
   double added_mass[36]; /* of the air carried along, for light bodies; zeros: none [kg, kg m, kg m^2] */
 } dragcore_body;
 
@@ -88,49 +96,176 @@ dragcore_status dragcore_named_law(const char* name, dragcore_law* law);
 /* What validation found best for the class of a surface: law, pillow, three points. */
 dragcore_status dragcore_model_for(const dragcore_surface* surface, dragcore_model* model);
 
-/* vertices: 3 * vertex_count coordinates; triangles: 3 * triangle_count indices, counterclockwise from outside; sides: one of enum dragcore_sides.
- * Both arrays are copied. *surface is to be given to dragcore_surface_destroy(), and is NULL after an error. */
+/* Meshes. vertices: 3 * vertex_count coordinates; triangles: 3 * triangle_count indices, counterclockwise from outside. Both arrays are
+ * copied. *mesh is to be given to dragcore_mesh_destroy(), and is NULL after an error. dragcore_mesh_file.h reads STL and OBJ files. */
+dragcore_status dragcore_mesh_create(const double* vertices, size_t vertex_count, const int* triangles, size_t triangle_count,
+                                     dragcore_mesh** mesh);
+void dragcore_mesh_destroy(dragcore_mesh* mesh); /* NULL is allowed */
+
+/* Shapes: dragcore/shapes.hpp has frames and ranges. Lengths in metres, along x, y, z; angles in radians; the centroid is the origin,
+ * bodies of revolution have their axis along x and their nose at -x. divisions: segments of a side, or of a quarter turn of a round body.
+ */
+dragcore_status dragcore_mesh_plate(double chord, double span, double thickness, int divisions,
+                                    dragcore_mesh** mesh); /* thickness 0: a sheet */
+dragcore_status dragcore_mesh_box(double length, double width, double height, int divisions, dragcore_mesh** mesh);
+dragcore_status dragcore_mesh_cone(double diameter, double apex_angle, int divisions, dragcore_mesh** mesh); /* the full angle */
+dragcore_status dragcore_mesh_sphere(double diameter, int divisions, dragcore_mesh** mesh);
+dragcore_status dragcore_mesh_cylinder(double diameter, double length, int divisions, dragcore_mesh** mesh);
+dragcore_status dragcore_mesh_ellipsoid(double semi_x, double semi_y, double semi_z, int divisions, dragcore_mesh** mesh);
+dragcore_status dragcore_mesh_teardrop(double diameter, double length, int divisions, dragcore_mesh** mesh);
+dragcore_status dragcore_mesh_prism(double base, double span, double apex_angle, int divisions, dragcore_mesh** mesh);
+
+/* How many vertices and triangles there are, and all of them, into arrays of 3 times as many. NULL: not wanted. */
+dragcore_status dragcore_mesh_size(const dragcore_mesh* mesh, size_t* vertex_count, size_t* triangle_count);
+dragcore_status dragcore_mesh_copy(const dragcore_mesh* mesh, double* vertices, int* triangles);
+
+/* Moves the mesh so that `origin` is the origin of its frame; NULL: its centroid, of the volume of a closed mesh, else of the area. */
+dragcore_status dragcore_mesh_recentre(dragcore_mesh* mesh, const double origin[3]);
+
+/* Mass and inertia about the centre of mass of a solid of uniform density [kg/m^3] in a closed mesh, and of a skin of uniform mass per area
+ * [kg/m^2] on any; added_mass is zero. centre_of_mass: in the mesh's frame, for motion.reference_point; NULL: not wanted.
+ * dragcore/mass_properties.hpp. */
+dragcore_status dragcore_mass_properties(const dragcore_mesh* mesh, double density, dragcore_body* body, double centre_of_mass[3]);
+dragcore_status dragcore_sheet_mass_properties(const dragcore_mesh* mesh, double area_density, dragcore_body* body,
+                                               double centre_of_mass[3]);
+
+/* Prepares a mesh, which may then go, or arrays as for dragcore_mesh_create(). sides: one of enum dragcore_sides.
+ * *surface is to be given to dragcore_surface_destroy(), and is NULL after an error. */
+dragcore_status dragcore_surface_from_mesh(const dragcore_mesh* mesh, int sides, dragcore_surface** surface);
 dragcore_status dragcore_surface_create(const double* vertices, size_t vertex_count, const int* triangles, size_t triangle_count, int sides,
                                         dragcore_surface** surface);
 void dragcore_surface_destroy(dragcore_surface* surface); /* NULL is allowed */
+
+/* Triangles that have an area: the others are dropped. */
+dragcore_status dragcore_surface_triangles(const dragcore_surface* surface, size_t* count);
 
 /* What was found or asked for: one-sided or two-sided. */
 dragcore_status dragcore_surface_sides(const dragcore_surface* surface, dragcore_sides* sides);
 dragcore_status dragcore_surface_class(const dragcore_surface* surface, dragcore_body_class* body_class);
 
 /* Force and torque of the air; see wrench() in dragcore/drag.hpp. */
-dragcore_status dragcore_evaluate(const dragcore_surface* surface, const dragcore_motion* motion, double density, const dragcore_model* model,
-                                  dragcore_wrench* result);
+dragcore_status dragcore_evaluate(const dragcore_surface* surface, const dragcore_motion* motion, double density,
+                                  const dragcore_model* model, dragcore_wrench* result);
 
-/* 6 x 6 secant matrix: wrench = S (air velocity - body velocity) in a uniform wind; see dragcore/stepping.hpp. */
-dragcore_status dragcore_resistance(const dragcore_surface* surface, const dragcore_motion* motion, double density, const dragcore_model* model,
-                                    double matrix[36]);
+/* 6 x 6 secant matrix: (force, torque) = S (wind - velocity, -angular_velocity) in a uniform wind; see dragcore/stepping.hpp. */
+dragcore_status dragcore_resistance(const dragcore_surface* surface, const dragcore_motion* motion, double density,
+                                    const dragcore_model* model, double matrix[36]);
 
 /* 6 x 6 derivative of (force, torque) by (velocity, angular velocity), row by row: for engines that step implicitly themselves. */
-dragcore_status dragcore_force_jacobian(const dragcore_surface* surface, const dragcore_motion* motion, double density, const dragcore_model* model,
-                                        double matrix[36]);
+dragcore_status dragcore_force_jacobian(const dragcore_surface* surface, const dragcore_motion* motion, double density,
+                                        const dragcore_model* model, double matrix[36]);
 
-/* New velocity and angular velocity after dt [s] under drag and a constant external wrench (gravity, say): step_secant_implicit(), and the cheaper
- * step_scalar_implicit(). Never gains energy from the air, at any dt. */
-dragcore_status dragcore_step_secant_implicit(const double matrix[36], const dragcore_body* body, const dragcore_motion* motion, const dragcore_wrench* external,
-                                              double dt, double velocity[3], double angular_velocity[3]);
-dragcore_status dragcore_step_scalar_implicit(const double matrix[36], const dragcore_body* body, const dragcore_motion* motion, const dragcore_wrench* external,
-                                              double dt, double velocity[3], double angular_velocity[3]);
+/* New velocity and angular velocity after dt [s] under drag and a constant external wrench (gravity, say): step_secant_implicit(), and the
+ * cheaper step_scalar_implicit(). Never gains energy from the air, at any dt. */
+dragcore_status dragcore_step_secant_implicit(const double matrix[36], const dragcore_body* body, const dragcore_motion* motion,
+                                              const dragcore_wrench* external, double dt, double velocity[3], double angular_velocity[3]);
+dragcore_status dragcore_step_scalar_implicit(const double matrix[36], const dragcore_body* body, const dragcore_motion* motion,
+                                              const dragcore_wrench* external, double dt, double velocity[3], double angular_velocity[3]);
 
 /* Added mass about the centre of an ellipsoid with semi-axes along the body's, for dragcore_body: added_mass() in dragcore/fluid_terms.hpp.
  * A sheet is about an ellipsoid of its area with one short semi-axis. */
 dragcore_status dragcore_ellipsoid_added_mass(const double semi_axes[3], double density, double matrix[36]);
 
-/* Spin after dt by inertia alone: gyroscopic_spin() in dragcore/stepping.hpp. Replace motion.angular_velocity with it before dragcore_resistance(). */
+/* Spin after dt by inertia alone: gyroscopic_spin() in dragcore/stepping.hpp. Replace motion.angular_velocity with it before
+ * dragcore_resistance(). */
 dragcore_status dragcore_gyroscopic_spin(const dragcore_body* body, const double angular_velocity[3], double dt, double spin[3]);
 
-/* Where motion.wind_gradient is not zero: what the matrix misses of the wrench that dragcore_evaluate() gives, to be added to `external` of the steps. */
-dragcore_status dragcore_wind_excess(const dragcore_wrench* wrench, const double matrix[36], const dragcore_motion* motion, dragcore_wrench* excess);
+/* Where motion.wind_gradient is not zero: what the matrix misses of the wrench that dragcore_evaluate() gives, to be added to `external` of
+ * the steps. */
+dragcore_status dragcore_wind_excess(const dragcore_wrench* wrench, const double matrix[36], const dragcore_motion* motion,
+                                     dragcore_wrench* excess);
 
 /* Share in [0, 1] of the impulse dt * wrench that may be applied: impulse_share(). */
-dragcore_status dragcore_impulse_share(const dragcore_wrench* wrench, const dragcore_body* body, const dragcore_motion* motion, double dt, double* share);
+dragcore_status dragcore_impulse_share(const dragcore_wrench* wrench, const dragcore_body* body, const dragcore_motion* motion, double dt,
+                                       double* share);
 
-/* Message of the last error on this thread; "" if there was none. Valid until the next call on this thread. */
+/* Wind fields of the world: the sum of any number of sources. What a dragcore_wind* is used for may run on many threads at once, but not
+ * beside a function that changes it. Velocities are those of the undisturbed air. */
+dragcore_status dragcore_wind_create(dragcore_wind** wind); /* still air; to be given to dragcore_wind_destroy() */
+void dragcore_wind_destroy(dragcore_wind* wind);            /* NULL is allowed */
+
+/* Where a source lies, x_world = position + to_world (scale * x_field), and how strong it is: Placement and WindSource in
+ * dragcore/wind.hpp. */
+typedef struct dragcore_placement {
+  double position[3]; /* [m] */
+  double to_world[9]; /* a rotation */
+  double scale[3];    /* per axis of the field, negative mirrors, never 0 */
+  double intensity;   /* factor on the velocity */
+  double fade_radius; /* where it has faded to zero; 0: it does not fade [m] */
+} dragcore_placement;
+dragcore_placement dragcore_no_placement(void); /* at the origin, not turned, scale and intensity 1; what NULL stands for below */
+
+dragcore_status dragcore_wind_add_uniform(dragcore_wind* wind, const double velocity[3], const dragcore_placement* placement);
+/* About the z axis, right-handed: circulation [m^2/s], core_radius [m]. */
+dragcore_status dragcore_wind_add_vortex(dragcore_wind* wind, double circulation, double core_radius, const dragcore_placement* placement);
+/* From a nozzle at the origin along +x: exit_speed [m/s], diameter [m]. */
+dragcore_status dragcore_wind_add_jet(dragcore_wind* wind, double exit_speed, double diameter, const dragcore_placement* placement);
+
+typedef struct dragcore_grid {
+  int points[3];             /* per axis, at least 1 */
+  double lower[3], upper[3]; /* first and last point [m] */
+  const double* values;      /* copied; x y z of the velocity at every point, x fastest: 3 ((k ny + j) nx + i) [m/s] */
+  int clamp;                 /* outside the box: 0 nothing, 1 the value of its nearest point */
+} dragcore_grid;
+dragcore_status dragcore_wind_add_grid(dragcore_wind* wind, const dragcore_grid* grid, const dragcore_placement* placement);
+
+typedef struct dragcore_dryden {
+  unsigned long long seed;
+  double intensity[3]; /* standard deviations along the mean wind, to its starboard, up [m/s] */
+  double length[3];    /* scale lengths of the three [m] */
+  double mean_wind[3]; /* carries the eddies past; not part of the field: add a uniform one [m/s] */
+  int waves;           /* multiple of 3; 0: the default of dragcore/turbulence.hpp */
+} dragcore_dryden;
+dragcore_status dragcore_wind_add_turbulence(dragcore_wind* wind, const dragcore_dryden* dryden, const dragcore_placement* placement);
+
+/* Turbulence moves with time [s]; gusts are intensities that change. Sources count from 0 in the order in which they were added. */
+dragcore_status dragcore_wind_set_time(dragcore_wind* wind, double time);
+dragcore_status dragcore_wind_set_intensity(dragcore_wind* wind, size_t source, double intensity);
+/* (1 - cos)/2 between start and start + duration, 0 outside: for the intensity of a source that is a gust. */
+dragcore_status dragcore_gust_factor(double time, double start, double duration, double* factor);
+
+/* gradient: entry 3 i + j, change of component i along axis j [1/s]. NULL: not wanted. */
+dragcore_status dragcore_wind_sample(const dragcore_wind* wind, const double point[3], double velocity[3], double gradient[9]);
+
+/* What a body at position, turned by to_world, meets about motion->reference_point: sets wind, wind_gradient and triangle_wind of a motion,
+ * in the body frame, with the cheapest sampling within tolerance [m/s]. triangle_wind: room for 3 * dragcore_surface_triangles() numbers,
+ * which must live as long as the motion is used; NULL: no more than a gradient is wanted, whatever the tolerance. BodyWind in
+ * dragcore/body_wind.hpp. */
+dragcore_status dragcore_wind_over_body(const dragcore_wind* wind, const dragcore_surface* surface, const double position[3],
+                                        const double to_world[9], double tolerance, double* triangle_wind, dragcore_motion* motion);
+
+/* The question to dragcore_required_effects(): struct Scene in dragcore/required_effects.hpp. Set all of it to zero first. */
+typedef struct dragcore_scene {
+  const dragcore_surface* surface;
+  const dragcore_motion* motion; /* with the largest relative speed and spin to expect */
+  const dragcore_model* model;
+  double density;            /* of the air [kg/m^3] */
+  int held;                  /* 0: the air moves the body; 1: it always moves as in `motion` */
+  const dragcore_wind* wind; /* looked at around `place`; NULL: none but that of the motion */
+  double place[3];           /* of the surface's middle in the world [m] */
+  const dragcore_body* body; /* for added mass; NULL: not judged */
+  double viscosity;          /* dynamic; 0: that of air [Pa s] */
+  double tolerance;          /* share of force and torque that leaving an effect out may cost; 0: 0.01 */
+} dragcore_scene;
+
+typedef struct dragcore_needs {
+  unsigned effects;                 /* for dragcore_model.effects */
+  int wind_sampling;                /* 0: one velocity for the body, 1: a gradient too, 2: one per triangle */
+  double force_scale, torque_scale; /* of which the tolerance is a share [N], [N m] */
+} dragcore_needs;
+
+/* Which effects a scene calls for: ask once for a kind of body, not every frame. text: a line for each effect with the reason, as many
+ * whole lines as `size` bytes hold; NULL: not wanted. */
+dragcore_status dragcore_required_effects(const dragcore_scene* scene, dragcore_needs* needs, char* text, size_t size);
+
+/* Looks for values that are possible but usually mistakes: units, frames, reference points, speeds, density: dragcore/diagnose.hpp. *count:
+ * how many were found; text: a sentence on each, as above. to_world and world_velocity, of the reference point: to check the motion
+ * against, or NULL. */
+dragcore_status dragcore_diagnose(const dragcore_surface* surface, const dragcore_motion* motion, double density, const double to_world[9],
+                                  const double world_velocity[3], size_t* count, char* text, size_t size);
+
+/* Message of the last error on this thread, its first 511 bytes; "" if there was none. Never NULL; it stands in a buffer of the thread,
+ * which the next call on this thread writes over. */
 const char* dragcore_last_error(void);
 
 #ifdef __cplusplus

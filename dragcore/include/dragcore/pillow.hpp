@@ -55,9 +55,11 @@ Eigen::Vector3d eccentricity_pillow_shift(const Eigen::Vector3d& a, const Eigen:
 /// the triangles inside do not matter. Accuracy 1e-13 of the chord.
 Eigen::Vector3d patch_pillow_shift(const Patch& patch, const Eigen::Vector3d& u, double alpha, Falloff falloff = Falloff::circular);
 
-/// The tilt form: -kappa (2/L) M2 u_t/|u|, with M2 the second moment of the patch per area, L its chord along the flow, u_t the tangential
-/// velocity.
-Eigen::Vector3d tilt_pillow_shift(const Patch& patch, const Eigen::Vector3d& u, double kappa);
+/// The tilt form: -kappa t M2 e / sqrt(3 e.M2 e), with e the direction of the flow over the face, t its tangential fraction |u_t|/|u|, and
+/// M2 the second moment per area of the triangle's region (Surface::second_moment). sqrt(12 e.M2 e) is the chord of a rectangle along its
+/// sides. Tangential to `normal`; 0 where the flow has no direction over the face.
+Eigen::Vector3d tilt_pillow_shift(const Eigen::Vector3d& normal, const Eigen::Matrix3d& second_moment, const Eigen::Vector3d& u,
+                                  double kappa);
 
 /// The note's factor, faded out towards normal incidence where the flow over the face has no direction: alpha * smoothstep((1 - c) / 0.25).
 double faded_pillow_factor(double alpha, double c);

@@ -16,8 +16,8 @@ namespace dragcore {
 // That is a promise about the step, not about the model. A law without friction lets a thin sheet that is edge-on to its motion glide
 // faster and faster in its own plane: take sheet_law() or closed_law().
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;  ///< linear, then angular part
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;  ///< linear, then angular part: (velocity, angular_velocity) or (force, torque)
+using Matrix6d = Eigen::Matrix<double, 6, 6>;  ///< of such vectors: the first three rows and columns are linear
 
 /// Mass properties about the centre of mass, which must be `motion.reference_point`; axes of the body frame.
 /// `added` is for bodies so light that the air they carry along counts: a disc of radius a broadside carries 8/3 rho a^3, of A4 paper
@@ -43,6 +43,7 @@ struct MassProperties {
 Matrix6d resistance(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model);
 
 /// What S (V_air - V) misses of the total wrench in a wind that varies over the body; rounding errors in a uniform one.
+/// @return  (force [N], torque [N m])
 Vector6d wind_excess(const Wrench& total, const Matrix6d& resistance, const Motion& motion);
 
 /// Derivative of (force, torque) by (velocity, angular_velocity), for engines that step implicitly themselves. The pillow's displacement,
@@ -58,6 +59,8 @@ Eigen::Vector3d gyroscopic_spin(const MassProperties& body, const Eigen::Vector3
 /// New (velocity, angular_velocity) after `dt` under drag and a constant external wrench (gravity, say), without the gyroscopic term.
 ///   (M + dt S) V' = M V + dt (S V_air + W_external)
 /// Terminal velocity is an exact fixed point. For W_external = 0: |V' - V_air|_M <= |V - V_air|_M for every dt >= 0.
+/// @param external  (force [N], torque about the reference point [N m]), body frame
+/// @return          (velocity [m/s], angular_velocity [rad/s]), body frame: `head<3>()` and `tail<3>()`
 Vector6d step_secant_implicit(const Matrix6d& resistance, const MassProperties& body, const Motion& motion, const Vector6d& external,
                               double dt);
 

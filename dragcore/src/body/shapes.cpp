@@ -1,12 +1,17 @@
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <dragcore/shapes.hpp>
-#include <functional>
+#include <dragcore/unknown_word.hpp>
 #include <numbers>
+#include <numeric>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
+
+#include "support/ellipsoid_integrals.hpp"
 
 namespace dragcore {
 
@@ -95,16 +100,15 @@ TeardropParts parts(const Teardrop& s) {
   return p;
 }
 
+/// pi (a b c)^2 times the integral of tau (s_x + s_y + s_z) sqrt(s_x s_y s_z), s_i = 1/(1 + tau a_i^2), over 0 < tau < infinity: Carlson's
+/// R_G of the squared products of two semi-axes each. Not singular where semi-axes are equal, as Legendre's elliptic integrals are.
 double ellipsoid_area(const Ellipsoid& s) {
-  std::array<double, 3> axis{s.semi_x, s.semi_y, s.semi_z};
-  std::sort(axis.begin(), axis.end(), std::greater<>());
-  const auto [a, b, c] = axis;
-  // Within 1e-6 of a sphere the elliptic integrals are 0/0; the mean of the products is exact to the second order there.
-  if (a - c < 1e-6 * a) return 4.0 * pi * (a * b + b * c + c * a) / 3.0;
-  const double phi = std::acos(c / a), sin_phi = std::sin(phi), cos_phi = c / a;
-  const double k = std::min(1.0, (a / b) * std::sqrt((b * b - c * c) / (a * a - c * c)));
-  return 2.0 * pi * c * c +
-         2.0 * pi * a * b / sin_phi * (std::ellint_2(k, phi) * sin_phi * sin_phi + std::ellint_1(k, phi) * cos_phi * cos_phi);
+  const Vector3d semi(s.semi_x, s.semi_y, s.semi_z), scaled = semi / semi.maxCoeff();
+  double integral = 0.0;
+  for_each_ellipsoid_node(scaled, [&integral](double tau, double d_tau, const Vector3d& shrink, double root) {
+    integral += tau * shrink.sum() * root * d_tau;
+  });
+  return pi * std::pow(scaled.prod() * semi.maxCoeff(), 2) * integral;
 }
 
 void check_divisions(int divisions) {
@@ -349,7 +353,8 @@ ShapeProperties properties(const Shape& shape) {
                                p.nose_x = -2.0 * h / 3.0;
                                p.half_extent = 0.5 * Vector3d(h, s.span, s.base);
                                return p;
-                             }},
+                             },
+                             [](const MeshBody& s) { return s.measured; }},
                     shape);
 }
 
@@ -392,9 +397,46 @@ TriangleMesh triangulate(const Shape& shape, int n) {
                [&](const Prism& s) {
                  const double tail = exact.nose_x + exact.length_x;
                  return prism_mesh({Vector2d(exact.nose_x, 0.0), Vector2d(tail, -0.5 * s.base), Vector2d(tail, 0.5 * s.base)}, s.span, n);
-               }},
+               },
+               [&](const MeshBody& s) { return *s.mesh; }},
       shape);
 }
+
+namespace {
+
+/// Whether every triangle falls, under the map, on one of the same mesh.
+bool carried_onto_itself(const TriangleMesh& mesh, const Eigen::Matrix3d& map) {
+  double size = 0.0;
+  for (const Vector3d& vertex : mesh.vertices) size = std::max(size, vertex.norm());
+  const double tolerance = 1e-6 * size;  // STL files have single precision
+  std::vector<int> by_x(mesh.vertices.size());
+  std::iota(by_x.begin(), by_x.end(), 0);
+  const auto x_of = [&](int i) { return mesh.vertices[static_cast<std::size_t>(i)].x(); };
+  std::sort(by_x.begin(), by_x.end(), [&](int a, int b) { return x_of(a) < x_of(b); });
+  std::vector<int> image;
+  for (const Vector3d& vertex : mesh.vertices) {
+    const Vector3d wanted = map * vertex;
+    auto near = std::lower_bound(by_x.begin(), by_x.end(), wanted.x() - tolerance, [&](int i, double x) { return x_of(i) < x; });
+    while (near != by_x.end() && (mesh.vertices[static_cast<std::size_t>(*near)] - wanted).cwiseAbs().maxCoeff() > tolerance) {
+      if (x_of(*near) > wanted.x() + tolerance) return false;
+      ++near;
+    }
+    if (near == by_x.end()) return false;
+    image.push_back(*near);
+  }
+  std::set<std::array<int, 3>> triangles;
+  const auto corners = [](std::array<int, 3> of) {
+    std::sort(of.begin(), of.end());
+    return of;
+  };
+  for (const Vector3i& t : mesh.triangles) triangles.insert(corners({t[0], t[1], t[2]}));
+  const auto image_of = [&](int vertex) { return image[static_cast<std::size_t>(vertex)]; };
+  return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Vector3i& t) {
+    return triangles.contains(corners({image_of(t[0]), image_of(t[1]), image_of(t[2])}));
+  });
+}
+
+}  // namespace
 
 bool mirror_symmetric(const Shape& shape, const Vector3d& normal_body) {
   const double length = normal_body.norm();
@@ -436,7 +478,8 @@ bool mirror_symmetric(const Shape& shape, const Vector3d& normal_body) {
                  if (along(Vector3d::UnitY()) || along(Vector3d::UnitZ())) return true;
                  const Vector3d other(std::cos(pi / 6), 0.0, 0.5);  // square to the other two medians of an equilateral triangle
                  return std::abs(s.apex_angle - pi / 3) < tolerance && (along(other) || along(other.cwiseProduct(Vector3d(1, 1, -1))));
-               }},
+               },
+               [&](const MeshBody& s) { return carried_onto_itself(*s.mesh, mirror); }},
       shape);
 }
 
@@ -447,6 +490,9 @@ bool is_cube(const Box& box) { return box.length == box.width && box.width == bo
 constexpr double degrees = 180.0 / pi;
 
 using Parameters = std::map<std::string, double>;
+
+constexpr std::array<std::string_view, 9> shape_kinds = {"plate",    "box",       "cube",     "cone", "sphere",
+                                                         "cylinder", "ellipsoid", "teardrop", "prism"};
 
 /// Takes the known parameters out of a map and complains about what is left.
 class ParameterReader {
@@ -472,11 +518,13 @@ class ParameterReader {
 }  // namespace
 
 std::string kind(const Shape& shape) {
-  return std::visit(Overload{[](const Plate&) { return "plate"; }, [](const Box& s) { return is_cube(s) ? "cube" : "box"; },
-                             [](const Cone&) { return "cone"; }, [](const Sphere&) { return "sphere"; },
-                             [](const Cylinder&) { return "cylinder"; }, [](const Ellipsoid&) { return "ellipsoid"; },
-                             [](const Teardrop&) { return "teardrop"; }, [](const Prism&) { return "prism"; }},
-                    shape);
+  return std::visit(
+      Overload{[](const Plate&) { return std::string("plate"); }, [](const Box& s) { return std::string(is_cube(s) ? "cube" : "box"); },
+               [](const Cone&) { return std::string("cone"); }, [](const Sphere&) { return std::string("sphere"); },
+               [](const Cylinder&) { return std::string("cylinder"); }, [](const Ellipsoid&) { return std::string("ellipsoid"); },
+               [](const Teardrop&) { return std::string("teardrop"); }, [](const Prism&) { return std::string("prism"); },
+               [](const MeshBody& s) { return s.name; }},
+      shape);
 }
 
 std::map<std::string, double> parameters(const Shape& shape) {
@@ -505,6 +553,11 @@ std::map<std::string, double> parameters(const Shape& shape) {
           },
           [](const Prism& s) {
             return Parameters{{"base", s.base}, {"span", s.span}, {"apex_angle_deg", s.apex_angle * degrees}};
+          },
+          [](const MeshBody& s) {
+            const ShapeProperties& p = s.measured;
+            return Parameters{
+                {"area", p.area}, {"volume", p.volume}, {"reference_area", p.reference_area}, {"reference_length", p.reference_length}};
           }},
       shape);
 }
@@ -540,12 +593,60 @@ Shape make_shape(std::string_view kind, const Parameters& given) {
     shape = Prism{
         .base = read("base", d.base), .span = read("span", d.span), .apex_angle = read("apex_angle_deg", d.apex_angle * degrees) / degrees};
   } else {
-    throw std::invalid_argument("unknown shape '" + std::string(kind) +
-                                "'; known: plate, box, cube, cone, sphere, cylinder, ellipsoid, teardrop, prism");
+    throw std::invalid_argument(unknown_word("shape", kind, {shape_kinds.begin(), shape_kinds.end()}));
   }
   read.finish();
   properties(shape);  // checks the ranges
   return shape;
+}
+
+std::map<std::string, double> changed_parameters(const Shape& shape) {
+  if (std::holds_alternative<MeshBody>(shape)) return {};
+  Parameters changed = parameters(shape);
+  for (const auto& [name, usual] : parameters(make_shape(kind(shape), {})))
+    if (const auto found = changed.find(name); found != changed.end() && std::abs(found->second - usual) <= 1e-9 * std::abs(found->second))
+      changed.erase(found);
+  return changed;
+}
+
+MeshBody mesh_body(const std::string& name, const TriangleMesh& mesh, double reference_area, double reference_length) {
+  const auto refuse = [&name](const std::string& fault) { throw std::invalid_argument("mesh body '" + name + "': " + fault); };
+  if (name.empty() || name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-.") != std::string::npos)
+    refuse("a name needs lower-case letters, digits, '_', '-' or '.'");
+  if (std::find(shape_kinds.begin(), shape_kinds.end(), name) != shape_kinds.end())
+    refuse("this is the name of a shape with parameters; give the mesh another one");
+  const std::string kind = "mesh body '" + name + "'";
+  require_positive(kind.c_str(), "reference_area", reference_area);
+  require_positive(kind.c_str(), "reference_length", reference_length);
+  const TriangleMesh joined = welded(mesh);
+  const MeshProperties found = inspect(joined);
+  const auto count = [](int number, const char* what) { return std::to_string(number) + " " + what; };
+  if (found.triangles == found.degenerate) refuse("it has no triangle with an area");
+  if (found.non_manifold_edges > 0) refuse(count(found.non_manifold_edges, "edges have three or more triangles; needed are two at most"));
+  if (!found.consistently_wound)
+    refuse(count(found.inconsistent_edges, "edges lie between triangles of opposite winding; turn one of each pair"));
+  if (found.inside_out) refuse("its triangles are wound inwards; turn them all");
+  if (found.encloses && !found.closed)
+    refuse(count(found.boundary_edges,
+                 "edges are open, around holes that are small for a shell; close them, or the body would be meshed hollow"));
+
+  // Moved only where it is not there yet, so that a body that is read again keeps its checksum.
+  MeshBody body{.name = name, .mesh = {}, .measured = {}, .checksum = 0};
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& vertex : joined.vertices) box.extend(vertex);
+  const bool centred = found.centroid.norm() <= 1e-12 * box.diagonal().norm();
+  const Vector3d to_centroid = centred ? Vector3d::Zero().eval() : (-found.centroid).eval();
+  body.mesh = std::make_shared<const TriangleMesh>(transformed(joined, Eigen::Matrix3d::Identity(), to_centroid));
+  box.translate(to_centroid);
+  body.measured = {.area = found.area,
+                   .volume = found.closed ? found.volume : 0.0,
+                   .reference_area = reference_area,
+                   .reference_length = reference_length,
+                   .nose_x = box.min().x(),
+                   .length_x = box.sizes().x(),
+                   .half_extent = 0.5 * box.sizes()};
+  body.checksum = surface_checksum(*body.mesh);
+  return body;
 }
 
 }  // namespace dragcore

@@ -1,12 +1,17 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <dragcore/surface.hpp>
 #include <map>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
+
+#include "body/edges.hpp"
+#include "body/extents.hpp"
+#include "body/regions.hpp"
 
 namespace dragcore {
 
@@ -32,9 +37,9 @@ using Eigen::Vector3i;
 // 1e-6, while the facets of a round body of 100,000 triangles still differ by 1e-2.
 constexpr double coplanar_angle = 1e-3;
 
-// Facets that stand for a curved surface meet at small angles; a prism of eight sides still counts as round, one of six (60 degrees) as
-// sharp.
-constexpr double sharp_angle = 50.0 * std::numbers::pi / 180.0;
+// Facets that stand for one smooth piece of surface meet at less than this. Where exactly the line is drawn hardly matters: beyond 45
+// degrees a region's weights are below 0.05.
+constexpr double sharp_angle = 60.0 * std::numbers::pi / 180.0;
 
 using Segment = std::pair<Vector3d, Vector3d>;
 
@@ -66,33 +71,28 @@ std::vector<Segment> straightened(const std::vector<std::pair<int, int>>& bounda
   return outline;
 }
 
-/// Class of a body by thickness and by how much of its turning is done by sharp edges: both are free of scale and, once a round body has
+/// Class of a part by thickness, and by how much of its area curves in every direction: both are free of scale and, once a round body has
 /// eight facets around, of the triangulation.
-BodyClass classify(const Surface& surface, double sharp_turning, double smooth_turning) {
-  if (!(surface.volume > 0.0) || surface.size() == 0) return BodyClass::sheet;
-  Matrix3d moment = Matrix3d::Zero();
-  for (const Patch& patch : surface.patches) {
-    const Vector3d arm = patch.centroid - surface.centre;
-    moment += patch.area * (patch.second_moment + arm * arm.transpose());
+BodyClass classify(const Surface& surface, const Part& p, const std::vector<Eigen::Index>& members) {
+  if (!(p.volume > 0.0) || members.empty()) return BodyClass::sheet;
+  const Vector3d extents = principal_box(static_cast<Eigen::Index>(members.size()), [&](Eigen::Index k) -> std::array<Vector3d, 3> {
+                             const Eigen::Index i = members[static_cast<std::size_t>(k)];
+                             const Vector3d ab = surface.edge_ab.row(i).matrix(), ac = surface.edge_ac.row(i).matrix();
+                             const Vector3d a = surface.centroid.row(i).matrix().transpose() - (ab + ac) / 3.0;
+                             return {a, a + ab, a + ac};
+                           }).extents;
+  if (is_sheet(p.volume, p.area, extents)) return BodyClass::sheet;
+  // The smaller of the two principal curvatures, in units of the body: 2 on a ball, 0 on flat faces,
+  // cylinders and cones. Of a teardrop 0.8 of the area passes, of a cone 0.02.
+  double round = 0.0;
+  for (const Eigen::Index i : members) {
+    const Matrix3d k = symmetric(surface.curvature.row(i));
+    const double mean = 0.5 * k.trace(), square = k.squaredNorm();  // one eigenvalue is 0, along the normal
+    const double least = mean - std::sqrt(std::max(0.0, 0.5 * square - mean * mean));
+    const double x = std::max(0.0, least) * std::sqrt(p.area / std::numbers::pi);
+    round += surface.area[i] * x * x / (x * x + 0.005);
   }
-  const Matrix3d axes = Eigen::SelfAdjointEigenSolver<Matrix3d>(moment / surface.total_area).eigenvectors();
-  Vector3d lowest = Vector3d::Zero(), highest = Vector3d::Zero();
-  for (Eigen::Index i = 0; i < surface.size(); ++i) {
-    const Vector3d a = (surface.centroid.row(i) - (surface.edge_ab.row(i) + surface.edge_ac.row(i)) / 3.0).matrix();
-    for (const Vector3d& corner :
-         {a, Vector3d(a + surface.edge_ab.row(i).matrix().transpose()), Vector3d(a + surface.edge_ac.row(i).matrix().transpose())}) {
-      const Vector3d place = axes.transpose() * (corner - surface.centre);
-      lowest = lowest.cwiseMin(place);
-      highest = highest.cwiseMax(place);
-    }
-  }
-  Vector3d extent = highest - lowest;
-  std::sort(extent.begin(), extent.end());
-  // Mean thickness 2 V/A: a twentieth of the chord for the plates and discs that the sheet law was fitted to, a quarter of the width for a
-  // box of half depth.
-  if (2.0 * surface.volume / surface.total_area < 0.12 * extent[1]) return BodyClass::sheet;
-  // Sharp edges do 0.55 of the turning of a cone of 60 degrees, 0.44 of a cylinder twice as long as wide, none of a ball's.
-  return sharp_turning < 0.25 * (sharp_turning + smooth_turning) ? BodyClass::smooth : BodyClass::sharp;
+  return round > 0.5 * p.area ? BodyClass::smooth : BodyClass::sharp;
 }
 
 /// Whether a triangle's winding runs along an edge in this direction.
@@ -102,127 +102,292 @@ bool runs(const Vector3i& t, int from, int to) {
 
 }  // namespace
 
-Surface::Surface(const TriangleMesh& mesh, Sides asked) : sides(asked) {
+Surface::Surface(const TriangleMesh& mesh, Sides asked) {
+  if (asked == Sides::automatic) {
+    build(prepare(mesh));
+    return;
+  }
   const MeshProperties found = inspect(mesh);
-  if (asked == Sides::automatic) sides = found.encloses || found.triangles == 0 ? Sides::one : Sides::two;
-  // A sheet has no outside, and two skins at one place no volume but rounding.
-  if (sides == Sides::one && found.inside_out && found.volume < -1e-12 * found.area * std::sqrt(found.area))
+  if (asked == Sides::one && found.inside_out && found.volume < -1e-12 * found.area * std::sqrt(found.area))
     throw std::invalid_argument("surface: the mesh is inside out (volume " + std::to_string(found.volume) +
-                                " m^3, normals must point into the air); reverse the winding of its triangles");
-  if (sides == Sides::one && !found.consistently_wound)
-    throw std::invalid_argument("surface: neighbouring triangles are wound in opposite directions at " +
-                                std::to_string(found.inconsistent_edges) +
-                                " edges, so that outside is not defined; repair the winding, or treat the mesh as a two-sided sheet");
+                                " m^3, normals must point into the air); reverse the winding of its triangles, or leave it to prepare()");
+  if (asked == Sides::one && !found.consistently_wound)
+    throw std::invalid_argument(
+        "surface: neighbouring triangles are wound in opposite directions at " + std::to_string(found.inconsistent_edges) +
+        " edges, so that outside is not defined; repair the winding by prepare(), or treat the mesh as a two-sided sheet");
+  Preparation as_given{.mesh = welded(mesh)};
+  as_given.part.assign(as_given.mesh.triangles.size(), 0);
+  as_given.lid.assign(as_given.mesh.triangles.size(), false);
+  as_given.sheet = {asked == Sides::two};
+  build(as_given);
+  // Told to be a body, its holes count as capped flat.
+  if (asked == Sides::one) {
+    volume = found.volume > 1e-9 * std::pow(found.area, 1.5) ? found.volume : 0.0;
+    parts[0].volume = volume;
+    find_classes();
+  }
+}
 
-  const TriangleMesh joined = welded(mesh);
+Surface::Surface(const Preparation& preparation) { build(preparation); }
+
+void Surface::build(const Preparation& preparation) {
+  report = preparation.report;
+  exposed = preparation.exposed;
+  const std::vector<Vector3d>& vertices = preparation.mesh.vertices;
   std::vector<Vector3i> triangles;
-  for (const Vector3i& t : joined.triangles)
-    if (!is_degenerate(joined.vertices[t[0]], joined.vertices[t[1]], joined.vertices[t[2]])) triangles.push_back(t);
+  std::vector<Eigen::Index> source;  // of every triangle that is kept
+  for (std::size_t i = 0; i < preparation.mesh.triangles.size(); ++i) {
+    const Vector3i& t = preparation.mesh.triangles[i];
+    if (is_degenerate(vertices[t[0]], vertices[t[1]], vertices[t[2]])) continue;
+    triangles.push_back(t);
+    source.push_back(static_cast<Eigen::Index>(i));
+  }
 
   const auto count = static_cast<Eigen::Index>(triangles.size());
   for (Eigen::ArrayX3d* column : {&normal, &centroid, &edge_ab, &edge_ac}) column->resize(count, 3);
   area.resize(count);
-  std::map<std::pair<int, int>, std::vector<int>> neighbours;  // by undirected edge
+  back.resize(count);
+  part.resize(static_cast<std::size_t>(count));
+  parts.resize(std::max<std::size_t>(1, preparation.sheet.size()));
+  for (std::size_t p = 0; p < preparation.sheet.size(); ++p) parts[p].two_sided = preparation.sheet[p];
   for (Eigen::Index i = 0; i < count; ++i) {
-    const Vector3i& t = triangles[i];
-    const Vector3d a = joined.vertices[t[0]], ab = joined.vertices[t[1]] - a, ac = joined.vertices[t[2]] - a;
+    const Vector3i& t = triangles[static_cast<std::size_t>(i)];
+    const Vector3d a = vertices[t[0]], ab = vertices[t[1]] - a, ac = vertices[t[2]] - a;
     const Vector3d cross = ab.cross(ac);
     normal.row(i) = cross.stableNormalized().array();
     area[i] = 0.5 * cross.stableNorm();
     centroid.row(i) = (a + (ab + ac) / 3.0).array();
     edge_ab.row(i) = ab.array();
     edge_ac.row(i) = ac.array();
-    for (int k = 0; k < 3; ++k) neighbours[std::minmax(t[k], t[(k + 1) % 3])].push_back(static_cast<int>(i));
+    part[static_cast<std::size_t>(i)] = preparation.part[static_cast<std::size_t>(source[static_cast<std::size_t>(i)])];
+    back[i] = parts[static_cast<std::size_t>(part[static_cast<std::size_t>(i)])].two_sided ? 1.0 : 0.0;
+  }
+  const EdgeTable edges(triangles);
+  find_convexity(triangles, vertices, edges);
+
+  // Of a triangle that is covered in part the rest is taken as a smaller one of its shape, in the middle of that rest.
+  if (!preparation.wetted.empty())
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const WettedPiece& piece = preparation.wetted[static_cast<std::size_t>(source[static_cast<std::size_t>(i)])];
+      const double rear = back[i] * piece.back;
+      if (piece.front >= 1.0 && rear >= back[i]) continue;
+      const double share = std::max(piece.front, rear);
+      if (rear > piece.front) {  // the side with more of it counts as the front
+        normal.row(i) = -normal.row(i);
+        edge_ab.row(i).swap(edge_ac.row(i));
+        std::swap(triangles[static_cast<std::size_t>(i)][1], triangles[static_cast<std::size_t>(i)][2]);
+      }
+      back[i] = share > 0.0 ? std::min(piece.front, rear) / share : 0.0;
+      area[i] *= share;
+      edge_ab.row(i) *= std::sqrt(share);
+      edge_ac.row(i) *= std::sqrt(share);
+      centroid.row(i) = piece.centroid.array();
+    }
+  if (preparation.exposure) {
+    auto kept = std::make_shared<Exposure>(*preparation.exposure);
+    for (Eigen::Index i = 0; i < count; ++i) kept->reached.row(i) = preparation.exposure->reached.row(source[static_cast<std::size_t>(i)]);
+    kept->reached.conservativeResize(count, Eigen::NoChange);
+    exposure = std::move(kept);
   }
 
-  // Flood each patch from its first triangle. A sheet has no outside: its triangles may be wound either way, `turn` is -1 where it is
-  // against the first's.
-  patch.assign(count, -1);
-  std::vector<int> turn(count, 1);
+  find_patches(triangles, vertices, edges);
+  find_parts();
+  find_regions(triangles, edges);
+  find_classes();
+  const bool some_two = std::any_of(parts.begin(), parts.end(), [](const Part& p) { return p.two_sided; });
+  const bool some_one = std::any_of(parts.begin(), parts.end(), [](const Part& p) { return !p.two_sided; });
+  sides = count == 0 ? Sides::one : some_two && some_one ? Sides::automatic : some_two ? Sides::two : Sides::one;
+}
+
+void Surface::find_classes() {
+  std::vector<std::vector<Eigen::Index>> members(parts.size());
+  for (Eigen::Index i = 0; i < size(); ++i) members[static_cast<std::size_t>(part[static_cast<std::size_t>(i)])].push_back(i);
+  for (std::size_t p = 0; p < parts.size(); ++p) parts[p].body_class = classify(*this, parts[p], members[p]);
+  body_class = std::max_element(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.area < b.area; })->body_class;
+}
+
+/// Closed, one part, and neither a neighbour nor the outermost corners in any direction rise above a triangle's plane by more than a
+/// thousandth of the size; or a flat sheet. Neighbours alone would call every fine mesh convex: over a short edge nothing rises far.
+void Surface::find_convexity(const std::vector<Vector3i>& triangles, const std::vector<Vector3d>& vertices, const EdgeTable& edges) {
+  convex = parts.size() == 1 && !triangles.empty();
+  if (!convex) return;
+  Vector3d low = vertices[triangles[0][0]], high = low;
+  for (const Vector3i& t : triangles)
+    for (const int corner : t) low = low.cwiseMin(vertices[corner]), high = high.cwiseMax(vertices[corner]);
+  const double tolerance = 1e-3 * (high - low).norm();
+  if (parts[0].two_sided) {
+    for (const Vector3i& t : triangles)
+      for (const int corner : t)
+        if (std::abs(normal.row(0).matrix().dot((vertices[corner] - vertices[triangles[0][0]]).transpose())) > tolerance) convex = false;
+    return;
+  }
+  for (std::size_t i = 0; i < triangles.size() && convex; ++i)
+    for (std::size_t e = 0; e < 3; ++e) {
+      const auto uses = edges.at(i, e);
+      if (uses.size() != 2) {
+        convex = false;
+        break;
+      }
+      const int other = uses[0].triangle == static_cast<int>(i) ? uses[1].triangle : uses[0].triangle;
+      const Vector3i &t = triangles[i], &next = triangles[static_cast<std::size_t>(other)];
+      const int from = t[static_cast<Eigen::Index>(e)], to = t[static_cast<Eigen::Index>((e + 1) % 3)];
+      const int tip = next[0] + next[1] + next[2] - from - to;
+      if (normal.row(static_cast<Eigen::Index>(i)).matrix().dot((vertices[tip] - vertices[from]).transpose()) > tolerance) convex = false;
+    }
+  if (!convex) return;
+  // Of fine meshes every so many triangles: a dent has many of them, and a surface is made in no more time than before.
+  const std::size_t stride = 1 + triangles.size() / 20000;
+  constexpr int directions = 200;
+  for (int k = 0; k < directions; ++k) {  // a spiral from pole to pole
+    const double z = (2.0 * k + 1.0) / directions - 1.0, r = std::sqrt(1.0 - z * z), turn = 2.399963229728653 * k;
+    const Vector3d direction(r * std::cos(turn), r * std::sin(turn), z);
+    Vector3d outermost = vertices[triangles[0][0]];
+    for (std::size_t i = 0; i < triangles.size(); i += stride)
+      for (const int corner : triangles[i])
+        if (direction.dot(vertices[corner] - outermost) > 0.0) outermost = vertices[corner];
+    for (std::size_t i = 0; i < triangles.size(); i += stride)
+      if (normal.row(static_cast<Eigen::Index>(i)).matrix().dot((outermost - vertices[triangles[i][0]]).transpose()) > tolerance) {
+        convex = false;
+        return;
+      }
+  }
+}
+
+/// Floods each patch from its first triangle. A sheet has no outside: its triangles may be wound either way, `turn` is -1 where it is
+/// against the first's.
+void Surface::find_patches(const std::vector<Vector3i>& triangles, const std::vector<Vector3d>& vertices, const EdgeTable& edges) {
+  const Eigen::Index count = size();
+  patch.assign(static_cast<std::size_t>(count), -1);
+  std::vector<int> turn(static_cast<std::size_t>(count), 1);
   for (Eigen::Index first = 0; first < count; ++first) {
-    if (patch[first] >= 0) continue;
+    if (patch[static_cast<std::size_t>(first)] >= 0) continue;
     const int id = static_cast<int>(patches.size());
     const Vector3d plane = normal.row(first).matrix();
     std::vector<int> members{static_cast<int>(first)};
-    patch[first] = id;
+    patch[static_cast<std::size_t>(first)] = id;
     for (std::size_t k = 0; k < members.size(); ++k) {
-      const Vector3i& t = triangles[members[k]];
-      for (int e = 0; e < 3; ++e)
-        for (const int other : neighbours[std::minmax(t[e], t[(e + 1) % 3])]) {
-          if (patch[other] >= 0 || plane.cross(Vector3d(normal.row(other).matrix())).norm() >= coplanar_angle) continue;
-          const int side = plane.dot(normal.row(other).matrix()) > 0.0 ? 1 : -1;
-          if (side != turn[members[k]] && !(two_sided() && runs(triangles[other], t[e], t[(e + 1) % 3]))) continue;
-          patch[other] = id;
-          turn[other] = side;
+      const Vector3i& t = triangles[static_cast<std::size_t>(members[k])];
+      for (std::size_t e = 0; e < 3; ++e)
+        for (const EdgeUse& use : edges.at(static_cast<std::size_t>(members[k]), e)) {
+          const int other = use.triangle;
+          if (patch[static_cast<std::size_t>(other)] >= 0) continue;
+          const Vector3d next = normal.row(other).matrix();
+          if (plane.cross(next).norm() >= coplanar_angle) continue;
+          const int side = plane.dot(next) > 0.0 ? 1 : -1;
+          const auto from = static_cast<Eigen::Index>(e);
+          if (side != turn[static_cast<std::size_t>(members[k])] &&
+              !(back[other] > 0.0 && runs(triangles[static_cast<std::size_t>(other)], t[from], t[(from + 1) % 3])))
+            continue;
+          patch[static_cast<std::size_t>(other)] = id;
+          turn[static_cast<std::size_t>(other)] = side;
           members.push_back(other);
         }
     }
 
-    Patch p;
+    Patch p{.part = part[static_cast<std::size_t>(first)]};
     Vector3d area_vector = Vector3d::Zero(), moment = Vector3d::Zero();
-    std::map<std::pair<int, int>, int> directed;  // edges minus their reverses: what is left is the boundary
+    std::vector<std::array<int, 3>> directed;  // edges, lower end first, and which way they are run through
     for (const int i : members) {
+      const auto t = static_cast<std::size_t>(i);
       p.area += area[i];
-      area_vector += turn[i] * area[i] * normal.row(i).matrix().transpose();
+      area_vector += turn[t] * area[i] * normal.row(i).matrix().transpose();
       moment += area[i] * centroid.row(i).matrix().transpose();
       for (int e = 0; e < 3; ++e) {
-        int from = triangles[i][e], to = triangles[i][(e + 1) % 3];
-        if (turn[i] < 0) std::swap(from, to);
-        if (const auto reverse = directed.find({to, from}); reverse == directed.end())
-          ++directed[{from, to}];
-        else if (--reverse->second == 0)
-          directed.erase(reverse);
+        const int from = triangles[t][e], to = triangles[t][(e + 1) % 3];
+        directed.push_back({std::min(from, to), std::max(from, to), (from < to ? 1 : -1) * turn[t]});
       }
     }
-    p.normal = area_vector.stableNormalized();
-    p.centroid = moment / p.area;
-    for (const int i : members) {
-      // Second moment of a triangle about the patch's centroid: three midpoints of edges are exact to degree 2.
-      const Vector3d a = (centroid.row(i) - (edge_ab.row(i) + edge_ac.row(i)) / 3.0).matrix(), ab = edge_ab.row(i).matrix(),
-                     ac = edge_ac.row(i).matrix();
-      for (const Vector3d& midpoint : {Vector3d(a + 0.5 * ab), Vector3d(a + 0.5 * ac), Vector3d(a + 0.5 * (ab + ac))})
-        p.second_moment += area[i] / (3.0 * p.area) * (midpoint - p.centroid) * (midpoint - p.centroid).transpose();
-    }
+    // Edges minus their reverses: what is left is the boundary, repeated where triangles are.
+    std::sort(directed.begin(), directed.end());
     std::vector<std::pair<int, int>> boundary;
-    for (const auto& [edge, times] : directed) boundary.insert(boundary.end(), times, edge);  // repeated where triangles are
-    p.outline = straightened(boundary, joined.vertices);
+    for (std::size_t k = 0; k < directed.size();) {
+      const int low = directed[k][0], high = directed[k][1];
+      int times = 0;
+      for (; k < directed.size() && directed[k][0] == low && directed[k][1] == high; ++k) times += directed[k][2];
+      for (int n = 0; n < std::abs(times); ++n) boundary.emplace_back(times > 0 ? low : high, times > 0 ? high : low);
+    }
+    p.normal = area_vector.stableNormalized();
+    p.centroid = p.area > 0.0 ? Vector3d(moment / p.area) : Vector3d(centroid.row(first).matrix().transpose());
+    if (p.area > 0.0)
+      for (const int i : members) {
+        // Second moment of a triangle about the patch's centroid: three midpoints of edges are exact to degree 2.
+        const Vector3d a = (centroid.row(i) - (edge_ab.row(i) + edge_ac.row(i)) / 3.0).matrix(), ab = edge_ab.row(i).matrix(),
+                       ac = edge_ac.row(i).matrix();
+        for (const Vector3d& midpoint : {Vector3d(a + 0.5 * ab), Vector3d(a + 0.5 * ac), Vector3d(a + 0.5 * (ab + ac))})
+          p.second_moment += area[i] / (3.0 * p.area) * (midpoint - p.centroid) * (midpoint - p.centroid).transpose();
+      }
+    std::sort(boundary.begin(), boundary.end());
+    p.outline = straightened(boundary, vertices);
     patches.push_back(std::move(p));
   }
+}
 
-  // Curvature from dihedral angles: an edge of length l that turns the normal by theta gives each of its triangles half of theta l, across
-  // the edge.
-  curvature.setZero(count, 6);
-  double sharp_turning = 0.0, smooth_turning = 0.0;
+/// Area, volume, centre and radius of the parts and of all. Volumes by the divergence theorem, about a point of the part: a body far away
+/// must not lose digits. It holds of triangles that are covered in part, too: what is left of them is the boundary of all bodies together.
+void Surface::find_parts() {
+  const Eigen::Index count = size();
+  total_area = area.sum();
+  if (count > 0) centre = ((centroid.colwise() * area).colwise().sum() / std::max(total_area, 1e-300)).matrix();
   for (Eigen::Index i = 0; i < count; ++i) {
-    const Vector3i& t = triangles[i];
-    const Vector3d n = normal.row(i).matrix();
-    for (int e = 0; e < 3; ++e) {
-      const std::vector<int>& pair = neighbours[std::minmax(t[e], t[(e + 1) % 3])];
-      if (pair.size() != 2 || pair[0] == pair[1]) continue;
-      const int neighbour = pair[0] == i ? pair[1] : pair[0];
-      Vector3d other = normal.row(neighbour).matrix();
-      if (two_sided() && runs(triangles[neighbour], t[e], t[(e + 1) % 3])) other = -other;  // wound against this one
-      const Vector3d edge = joined.vertices[t[(e + 1) % 3]] - joined.vertices[t[e]];
-      const double length = edge.norm(), theta = std::atan2(n.cross(other).dot(edge) / length, n.dot(other));
-      (std::abs(theta) < sharp_angle ? smooth_turning : sharp_turning) += 0.5 * std::abs(theta) * length;
-      if (std::abs(theta) >= sharp_angle) continue;
-      const Vector3d across = n.cross(edge) / length;
-      const double share = 0.5 * theta * length / area[i];
-      const auto add = [&](int column, double value) { curvature(i, column) += share * value; };
-      add(0, across.x() * across.x()), add(1, across.x() * across.y()), add(2, across.x() * across.z());
-      add(3, across.y() * across.y()), add(4, across.y() * across.z()), add(5, across.z() * across.z());
+    Part& p = parts[static_cast<std::size_t>(part[static_cast<std::size_t>(i)])];
+    p.area += area[i];
+    p.centre += area[i] * centroid.row(i).matrix().transpose();
+  }
+  for (Part& p : parts)
+    if (p.area > 0.0) p.centre /= p.area;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    Part& p = parts[static_cast<std::size_t>(part[static_cast<std::size_t>(i)])];
+    if (!p.two_sided) p.volume += area[i] * normal.row(i).matrix().dot((centroid.row(i).matrix().transpose() - p.centre)) / 3.0;
+    const Vector3d a = (centroid.row(i) - (edge_ab.row(i) + edge_ac.row(i)) / 3.0).matrix();
+    for (const Vector3d& corner :
+         {a, Vector3d(a + edge_ab.row(i).matrix().transpose()), Vector3d(a + edge_ac.row(i).matrix().transpose())}) {
+      p.radius = std::max(p.radius, (corner - p.centre).norm());
+      radius = std::max(radius, (corner - centre).norm());
     }
   }
-
-  total_area = area.sum();
-  if (sides == Sides::one && found.consistently_wound && found.volume > 1e-9 * std::pow(found.area, 1.5)) volume = found.volume;
-  if (count > 0) centre = ((centroid.colwise() * area).colwise().sum() / total_area).matrix();
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Vector3d a = (centroid.row(i) - (edge_ab.row(i) + edge_ac.row(i)) / 3.0).matrix();
-    for (const Vector3d& corner : {a, Vector3d(a + edge_ab.row(i).matrix().transpose()), Vector3d(a + edge_ac.row(i).matrix().transpose())})
-      radius = std::max(radius, (corner - centre).norm());
+  for (Part& p : parts) {
+    if (!(p.volume > 1e-9 * std::pow(p.area, 1.5))) p.volume = 0.0;
+    volume += p.volume;
   }
-  body_class = classify(*this, sharp_turning, smooth_turning);
+}
+
+/// Smooth components, and of every triangle the region around it.
+void Surface::find_regions(const std::vector<Vector3i>& triangles, const EdgeTable& edges) {
+  const auto count = static_cast<std::size_t>(size());
+  DisjointSets components(count);
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t e = 0; e < 3; ++e) {
+      const Vector3i& t = triangles[i];
+      const auto k = static_cast<Eigen::Index>(e);
+      for (const EdgeUse& use : edges.at(i, e)) {
+        const int other = use.triangle;
+        if (other <= static_cast<int>(i)) continue;
+        double cosine = normal.row(static_cast<Eigen::Index>(i)).matrix().dot(normal.row(other).matrix());
+        if (back[other] > 0.0 && runs(triangles[static_cast<std::size_t>(other)], t[k], t[(k + 1) % 3]))
+          cosine = -cosine;  // wound against this one
+        if (cosine > std::cos(sharp_angle)) components.join(static_cast<int>(i), other);
+      }
+    }
+  int number = 0;
+  const std::vector<int> component = components.labels(number);
+  std::vector<std::vector<int>> members(static_cast<std::size_t>(number));
+  for (std::size_t i = 0; i < count; ++i) members[static_cast<std::size_t>(component[i])].push_back(static_cast<int>(i));
+  second_moment.setZero(size(), 6);
+  curvature.setZero(size(), 6);
+  const auto row_of = [](const Matrix3d& m) {
+    return (Eigen::Array<double, 1, 6>() << m(0, 0), m(0, 1), m(0, 2), m(1, 1), m(1, 2), m(2, 2)).finished();
+  };
+  for (const std::vector<int>& component_members : members) {
+    std::vector<RegionFacet> facets;
+    for (const int i : component_members)
+      facets.push_back({normal.row(i).matrix(), centroid.row(i).matrix(), edge_ab.row(i).matrix(), edge_ac.row(i).matrix(), area[i]});
+    const Part& owner = parts[static_cast<std::size_t>(part[static_cast<std::size_t>(component_members.front())])];
+    const std::vector<Region> regions = regions_of(facets, owner.two_sided, 1e-3 * owner.radius);
+    for (std::size_t k = 0; k < component_members.size(); ++k) {
+      second_moment.row(component_members[k]) = row_of(regions[k].second_moment);
+      curvature.row(component_members[k]) = row_of(regions[k].curvature);
+    }
+  }
 }
 
 }  // namespace dragcore

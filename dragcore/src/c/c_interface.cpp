@@ -1,58 +1,13 @@
-#include <dragcore/dragcore.h>
-
 #include <algorithm>
-#include <dragcore/drag.hpp>
+#include <cstring>
 #include <dragcore/fluid_terms.hpp>
-#include <dragcore/stepping.hpp>
-#include <exception>
 #include <iterator>
-#include <stdexcept>
-#include <string>
 
-struct dragcore_surface {
-  dragcore::Surface surface;
-};
+#include "c/handles.hpp"
 
 namespace {
 
-thread_local std::string last_error;
-
-/// Runs `body` and turns what it throws into a status: no exception may pass into C.
-template <class Body>
-dragcore_status guarded(Body&& body) noexcept {
-  try {
-    last_error.clear();
-    body();
-    return DRAGCORE_OK;
-  } catch (const std::invalid_argument& error) {
-    last_error = error.what();
-    return DRAGCORE_INVALID_ARGUMENT;
-  } catch (const std::exception& error) {
-    last_error = error.what();
-    return DRAGCORE_FAILED;
-  } catch (...) {
-    last_error = "unknown failure";
-    return DRAGCORE_FAILED;
-  }
-}
-
-void require(const void* pointer, const char* name) {
-  if (!pointer) throw std::invalid_argument(std::string(name) + " is NULL");
-}
-
-Eigen::Vector3d vector(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
-
-using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-using RowMajor6d = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
-
-dragcore::Motion motion_of(const dragcore_motion& m) {
-  return {vector(m.wind),
-          vector(m.velocity),
-          vector(m.angular_velocity),
-          vector(m.reference_point),
-          Eigen::Map<const RowMajor3d>(m.wind_gradient),
-          {}};
-}
+using namespace dragcore::c;
 
 /// Every number of a law, either way between its two structs.
 template <class From, class To>
@@ -79,24 +34,6 @@ dragcore_law law_from(const dragcore::Law& law) {
   return numbers;
 }
 
-dragcore::Model model_of(const dragcore_model& m) {
-  if (m.quadrature != 0 && m.quadrature != 1 && m.quadrature != 3 && m.quadrature != 6)
-    throw std::invalid_argument("quadrature = " + std::to_string(m.quadrature) + ", but it must be 1, 3 or 6, or 0 for adaptive");
-  if (m.pillow < DRAGCORE_PILLOW_NONE || m.pillow > DRAGCORE_PILLOW_ECCENTRICITY)
-    throw std::invalid_argument("pillow = " + std::to_string(m.pillow) + ", but it must be one of enum dragcore_pillow, 0 to 4");
-  if (m.falloff != DRAGCORE_FALLOFF_CIRCULAR && m.falloff != DRAGCORE_FALLOFF_LINEAR)
-    throw std::invalid_argument("falloff = " + std::to_string(m.falloff) + ", but it must be one of enum dragcore_falloff, 0 or 1");
-  if (m.effects > DRAGCORE_ALL_EFFECTS)
-    throw std::invalid_argument("effects = " + std::to_string(m.effects) + ", but it must be DRAGCORE_ALL_EFFECTS or some of its bits");
-  dragcore::Model model{.law = law_of(m.law),
-                        .pillow = {static_cast<dragcore::PillowForm>(m.pillow), m.pillow_factor, static_cast<dragcore::Falloff>(m.falloff)},
-                        .quadrature = static_cast<dragcore::Quadrature>(m.quadrature),
-                        .effects = {}};
-  for (unsigned bit = 1; bit < DRAGCORE_ALL_EFFECTS; bit <<= 1)
-    if (m.effects & bit) model.effects = model.effects | static_cast<dragcore::Effect>(bit);
-  return model;
-}
-
 dragcore_model model_from(const dragcore::Model& model) {
   return {law_from(model.law),
           static_cast<int>(model.pillow.form),
@@ -108,8 +45,10 @@ dragcore_model model_from(const dragcore::Model& model) {
 
 dragcore::Wrench wrench_of(const dragcore_wrench& w) { return {vector(w.force), vector(w.torque)}; }
 
-dragcore::MassProperties body_of(const dragcore_body& b) {
-  return {b.mass, Eigen::Map<const RowMajor3d>(b.inertia), Eigen::Map<const RowMajor6d>(b.added_mass)};
+dragcore::Surface surface_of(const dragcore::TriangleMesh& mesh, int sides) {
+  if (sides != DRAGCORE_SIDES_AUTOMATIC && sides != DRAGCORE_ONE_SIDED && sides != DRAGCORE_TWO_SIDED)
+    throw std::invalid_argument("sides = " + std::to_string(sides) + ", but it must be one of enum dragcore_sides, 0 to 2");
+  return dragcore::Surface(mesh, static_cast<dragcore::Surface::Sides>(sides));
 }
 
 using Step = dragcore::Vector6d (*)(const dragcore::Matrix6d&, const dragcore::MassProperties&, const dragcore::Motion&,
@@ -127,12 +66,44 @@ dragcore_status step(Step step_function, const double* matrix, const dragcore_bo
     dragcore::Vector6d wrench;
     wrench << vector(external->force), vector(external->torque);
     const dragcore::Vector6d moved = step_function(Eigen::Map<const RowMajor6d>(matrix), body_of(*body), motion_of(*motion), wrench, dt);
-    std::copy(moved.data(), moved.data() + 3, velocity);
-    std::copy(moved.data() + 3, moved.data() + 6, angular_velocity);
+    copy(moved.head<3>(), velocity);
+    copy(moved.tail<3>(), angular_velocity);
   });
 }
 
 }  // namespace
+
+namespace dragcore::c {
+
+thread_local char last_error[512];
+
+void set_last_error(const char* message) noexcept {
+  std::size_t length = std::min(std::strlen(message), sizeof last_error - 1);
+  if (message[length] != '\0')  // cut: not within a character of UTF-8, whose further bytes are 10xxxxxx
+    while (length > 0 && (static_cast<unsigned char>(message[length]) & 0xC0u) == 0x80u) --length;
+  std::memcpy(last_error, message, length);
+  last_error[length] = '\0';
+}
+
+Model model_of(const dragcore_model& m) {
+  if (m.quadrature != 0 && m.quadrature != 1 && m.quadrature != 3 && m.quadrature != 6)
+    throw std::invalid_argument("quadrature = " + std::to_string(m.quadrature) + ", but it must be 1, 3 or 6, or 0 for adaptive");
+  if (m.pillow < DRAGCORE_PILLOW_NONE || m.pillow > DRAGCORE_PILLOW_ECCENTRICITY)
+    throw std::invalid_argument("pillow = " + std::to_string(m.pillow) + ", but it must be one of enum dragcore_pillow, 0 to 4");
+  if (m.falloff != DRAGCORE_FALLOFF_CIRCULAR && m.falloff != DRAGCORE_FALLOFF_LINEAR)
+    throw std::invalid_argument("falloff = " + std::to_string(m.falloff) + ", but it must be one of enum dragcore_falloff, 0 or 1");
+  if (m.effects > DRAGCORE_ALL_EFFECTS)
+    throw std::invalid_argument("effects = " + std::to_string(m.effects) + ", but it must be DRAGCORE_ALL_EFFECTS or some of its bits");
+  dragcore::Model model{.law = law_of(m.law),
+                        .pillow = {static_cast<dragcore::PillowForm>(m.pillow), m.pillow_factor, static_cast<dragcore::Falloff>(m.falloff)},
+                        .quadrature = static_cast<dragcore::Quadrature>(m.quadrature),
+                        .effects = {}};
+  for (unsigned bit = 1; bit < DRAGCORE_ALL_EFFECTS; bit <<= 1)
+    if (m.effects & bit) model.effects = model.effects | static_cast<dragcore::Effect>(bit);
+  return model;
+}
+
+}  // namespace dragcore::c
 
 extern "C" {
 
@@ -166,17 +137,22 @@ dragcore_status dragcore_surface_class(const dragcore_surface* surface, dragcore
 
 dragcore_status dragcore_surface_create(const double* vertices, size_t vertex_count, const int* triangles, size_t triangle_count, int sides,
                                         dragcore_surface** surface) {
-  if (surface) *surface = nullptr;
+  return made(surface, "surface",
+              [&] { return new dragcore_surface{surface_of(mesh_of(vertices, vertex_count, triangles, triangle_count), sides)}; });
+}
+
+dragcore_status dragcore_surface_from_mesh(const dragcore_mesh* mesh, int sides, dragcore_surface** surface) {
+  return made(surface, "surface", [&] {
+    require(mesh, "mesh");
+    return new dragcore_surface{surface_of(mesh->mesh, sides)};
+  });
+}
+
+dragcore_status dragcore_surface_triangles(const dragcore_surface* surface, size_t* count) {
   return guarded([&] {
     require(surface, "surface");
-    if (vertex_count > 0) require(vertices, "vertices");
-    if (triangle_count > 0) require(triangles, "triangles");
-    if (sides != DRAGCORE_SIDES_AUTOMATIC && sides != DRAGCORE_ONE_SIDED && sides != DRAGCORE_TWO_SIDED)
-      throw std::invalid_argument("sides = " + std::to_string(sides) + ", but it must be one of enum dragcore_sides, 0 to 2");
-    dragcore::TriangleMesh mesh;
-    for (size_t i = 0; i < vertex_count; ++i) mesh.vertices.emplace_back(vertices[3 * i], vertices[3 * i + 1], vertices[3 * i + 2]);
-    for (size_t i = 0; i < triangle_count; ++i) mesh.triangles.emplace_back(triangles[3 * i], triangles[3 * i + 1], triangles[3 * i + 2]);
-    *surface = new dragcore_surface{dragcore::Surface(mesh, static_cast<dragcore::Surface::Sides>(sides))};
+    require(count, "count");
+    *count = static_cast<size_t>(surface->surface.size());
   });
 }
 
@@ -197,9 +173,10 @@ dragcore_status dragcore_evaluate(const dragcore_surface* surface, const dragcor
     require(motion, "motion");
     require(model, "model");
     require(result, "result");
-    const dragcore::Wrench total = dragcore::wrench(surface->surface, motion_of(*motion), {.density = density}, model_of(*model)).total();
-    std::copy(total.force.begin(), total.force.end(), result->force);
-    std::copy(total.torque.begin(), total.torque.end(), result->torque);
+    const dragcore::Wrench total =
+        dragcore::wrench(surface->surface, MotionOf(*motion, surface->surface).motion, {.density = density}, model_of(*model)).total();
+    copy(total.force, result->force);
+    copy(total.torque, result->torque);
   });
 }
 
@@ -210,7 +187,8 @@ dragcore_status dragcore_resistance(const dragcore_surface* surface, const dragc
     require(motion, "motion");
     require(model, "model");
     require(matrix, "matrix");
-    const dragcore::Matrix6d s = dragcore::resistance(surface->surface, motion_of(*motion), {.density = density}, model_of(*model));
+    const dragcore::Matrix6d s =
+        dragcore::resistance(surface->surface, MotionOf(*motion, surface->surface).motion, {.density = density}, model_of(*model));
     std::copy(s.data(), s.data() + 36, matrix);  // symmetric: rows are columns
   });
 }
@@ -222,7 +200,8 @@ dragcore_status dragcore_force_jacobian(const dragcore_surface* surface, const d
     require(motion, "motion");
     require(model, "model");
     require(matrix, "matrix");
-    Eigen::Map<RowMajor6d>{matrix} = dragcore::force_jacobian(surface->surface, motion_of(*motion), {.density = density}, model_of(*model));
+    Eigen::Map<RowMajor6d>{matrix} =
+        dragcore::force_jacobian(surface->surface, MotionOf(*motion, surface->surface).motion, {.density = density}, model_of(*model));
   });
 }
 
@@ -262,8 +241,8 @@ dragcore_status dragcore_wind_excess(const dragcore_wrench* wrench, const double
     require(motion, "motion");
     require(excess, "excess");
     const dragcore::Vector6d found = dragcore::wind_excess(wrench_of(*wrench), Eigen::Map<const RowMajor6d>(matrix), motion_of(*motion));
-    std::copy(found.data(), found.data() + 3, excess->force);
-    std::copy(found.data() + 3, found.data() + 6, excess->torque);
+    copy(found.head<3>(), excess->force);
+    copy(found.tail<3>(), excess->torque);
   });
 }
 
@@ -278,6 +257,6 @@ dragcore_status dragcore_impulse_share(const dragcore_wrench* wrench, const drag
   });
 }
 
-const char* dragcore_last_error(void) { return last_error.c_str(); }
+const char* dragcore_last_error(void) { return last_error; }
 
 }  // extern "C"

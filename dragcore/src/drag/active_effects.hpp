@@ -10,8 +10,10 @@ namespace dragcore {
 /// Which effects this evaluation has: allowed by the model, part of the law, the pillow and the motion, and built.
 class ActiveEffects {
  public:
-  ActiveEffects(const Motion& motion, const Model& model) {
-    const Law& law = model.law;
+  ActiveEffects(const Motion& motion, const Model& model) : ActiveEffects(motion, model, model.law, model.pillow) {}
+
+  /// With the law and the pillow of one part.
+  ActiveEffects(const Motion& motion, const Model& model, const Law& law, const Pillow& pillow) {
     const auto any = [](const Law::Polynomial& p) { return std::any_of(p.begin(), p.end(), [](double x) { return x != 0.0; }); };
     set(Effect::leeward_suction, any(law.leeward), model);
     set(Effect::friction, law.friction != 0.0, model);
@@ -19,8 +21,7 @@ class ActiveEffects {
     set(Effect::recovery, law.base_suction * law.recovery != 0.0, model);
     set(Effect::shelter, law.shelter != 0.0, model);
     set(Effect::curvature, law.curvature != 0.0, model);
-    set(Effect::pillow,
-        model.pillow.form != PillowForm::none && (model.pillow.factor > 0.0 || model.pillow.form == PillowForm::eccentricity), model);
+    set(Effect::pillow, pillow.form != PillowForm::none && (pillow.factor > 0.0 || pillow.form == PillowForm::eccentricity), model);
     set(Effect::spin, !motion.angular_velocity.isZero(0.0), model);
     set(Effect::wind_variation, !motion.triangle_wind.empty() || !motion.wind_gradient.isZero(0.0), model);
   }

@@ -18,29 +18,30 @@ struct Curve {
 /// c (1 + e)/(c + e): 0 at 0, 1 at 1, most of its rise below c = e.
 inline Curve saturating(double c, double e) { return {c * (1.0 + e) / (c + e), (1.0 + e) * e / ((c + e) * (c + e))}; }
 
-/// The law as one body sees it in one flow: descriptors worked in. Eq. 7 to 12.
+/// The law as one part sees it in one flow: descriptors worked in. Eq. 7 to 12.
 class BodyLaw {
  public:
-  BodyLaw(const Surface& surface, const Law& law, const RelativeFlow& flow, const ActiveEffects& active) : law_(law), active_(active) {
+  /// @param directed  as RelativeFlow has it of the part
+  BodyLaw(const Law& law, const Descriptors& body, double directed, const ActiveEffects& active) : law_(law), active_(active) {
     const bool aspect = active.has<Effect::base_suction>() && law.aspect_gain != 0.0;
-    if (!aspect && !active.has<Effect::recovery>() && !active.has<Effect::shelter>()) return;
-    const Descriptors body = describe(surface, flow.at_centre());
-    // A spinning body has no one direction of flow: what depends on it fades as the spin takes over, and a tumbling body is left with the
-    // local terms.
-    const double travel = flow.at_centre().squaredNorm(), turning = flow.variation_per_metre() * surface.radius;
-    const double directed = travel > 0.0 ? travel / (travel + turning * turning) : 0.0;
     if (aspect)
       aspect_factor_ +=
           directed * law.aspect_gain * body.aspect * body.aspect / (body.aspect * body.aspect + law.aspect_scale * law.aspect_scale);
     if (active.has<Effect::recovery>()) {
       instrument::count(Effect::recovery);
-      push_ = directed * law.base_suction * law.recovery * body.depth / (body.depth + law.recovery_depth);
+      // Suction that no wind made does not recover: a body in the lee of another must not be blown upwind.
+      push_ = directed * body.reached * law.base_suction * law.recovery * body.depth / (body.depth + law.recovery_depth);
     }
     if (active.has<Effect::shelter>()) {
       instrument::count(Effect::shelter);
       sharpness_ = body.sharpness;
       shelter_ = directed * law.shelter * std::pow(body.sharpness, 4);
     }
+  }
+
+  static bool needs_descriptors(const Law& law, const ActiveEffects& active) {
+    return (active.has<Effect::base_suction>() && law.aspect_gain != 0.0) || active.has<Effect::recovery>() ||
+           active.has<Effect::shelter>();
   }
 
   /// Visits (term, coefficient and slope) of everything that windward surface feels along its inward normal. `chi` is called only where it
@@ -82,11 +83,12 @@ class BodyLaw {
     }
   }
 
+  double friction() const { return active_.has<Effect::friction>() ? law_.friction : 0.0; }
   bool feels_leeward() const { return active_.has<Effect::leeward_suction>() || (active_.has<Effect::recovery>() && push_ > 0.0); }
 
  private:
   const Law& law_;
-  const ActiveEffects& active_;
+  ActiveEffects active_;
   double aspect_factor_ = 1.0, push_ = 0.0, shelter_ = 0.0, sharpness_ = 0.0;
 };
 

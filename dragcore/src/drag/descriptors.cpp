@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <dragcore/descriptors.hpp>
+#include <stdexcept>
+#include <string>
 
 #include "drag/local_forces.hpp"
 
@@ -11,40 +13,91 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-Descriptors describe(const Surface& surface, const Vector3d& direction) {
-  Descriptors result;
-  const double length = direction.norm();
-  if (!(length > 0.0)) return result;
-  const Vector3d along = direction / length;
-  const Vector3d right = along.unitOrthogonal(), up = along.cross(right);
+namespace {
 
-  double frontal = 0.0, sharp = 0.0;
-  Vector2d first = Vector2d::Zero();
-  Matrix2d second = Matrix2d::Zero();  // about the surface's centre
-  Eigen::Matrix<double, 2, 3> project;
-  project << right.transpose(), up.transpose();
-  for (const Patch& patch : surface.patches) {
-    double c = -along.dot(patch.normal);
-    if (surface.two_sided()) c = std::abs(c);
-    if (!(c > 0.0)) continue;
-    const double weight = patch.area * c;
-    const Vector2d arm = project * (patch.centroid - surface.centre);
-    frontal += weight;
-    sharp += weight * (c * c) * (c * c);
-    first += weight * arm;
-    second += weight * (project * patch.second_moment * project.transpose() + arm * arm.transpose());
+/// Sums over what faces the flow along one direction.
+class Silhouette {
+ public:
+  Silhouette(const Part& part, const Vector3d& direction) : part_(part) {
+    const double length = direction.norm();
+    if (!(length > 0.0)) return;
+    along_ = direction / length;
+    project_.row(0) = along_.unitOrthogonal().transpose();
+    project_.row(1) = along_.cross(Vector3d(project_.row(0).transpose())).transpose();
   }
-  if (!(frontal > 0.0)) return result;
-  result.frontal_area = frontal;
-  // Finite even where a body a hair thick is seen edge-on; a sheet has none there either.
-  if (surface.volume > 0.0) result.depth = std::min(1e100, surface.volume / (frontal * std::sqrt(frontal)));
-  result.sharpness = std::min(1.0, std::sqrt(std::sqrt(sharp / frontal)));
-  first /= frontal;
-  second = second / frontal - first * first.transpose();
-  // Principal radii of gyration of the silhouette; of a needle seen from the side the short one is rounding error and may even be negative.
-  const double mean = 0.5 * second.trace(), spread = std::hypot(0.5 * (second(0, 0) - second(1, 1)), second(0, 1));
-  result.aspect = std::sqrt((mean + spread) / std::max(mean - spread, 1e-8 * (mean + spread)));
-  return result;
+
+  /// @param reached  share of the area that the flow reaches
+  void add(const Vector3d& normal, const Vector3d& centroid, double area, const Eigen::Matrix3d& second_moment, double reached = 1.0) {
+    double c = -along_.dot(normal);
+    if (part_.two_sided) c = std::abs(c);
+    if (!(c > 0.0)) return;
+    const double weight = reached * area * c;
+    whole_ += area * c;
+    const Vector2d arm = project_ * (centroid - part_.centre);
+    frontal_ += weight;
+    sharp_ += weight * (c * c) * (c * c);
+    first_ += weight * arm;
+    second_ += weight * (project_ * second_moment * project_.transpose() + arm * arm.transpose());
+  }
+
+  Descriptors result() const {
+    Descriptors result;
+    if (!(frontal_ > 0.0)) {
+      if (whole_ > 0.0) result.reached = 0.0;
+      return result;
+    }
+    result.frontal_area = frontal_;
+    result.reached = frontal_ / whole_;
+    // Finite even where a body a hair thick is seen edge-on; a sheet has none there either.
+    if (part_.volume > 0.0) result.depth = std::min(1e100, part_.volume / (frontal_ * std::sqrt(frontal_)));
+    result.sharpness = std::min(1.0, std::sqrt(std::sqrt(sharp_ / frontal_)));
+    const Vector2d first = first_ / frontal_;
+    const Matrix2d second = second_ / frontal_ - first * first.transpose();
+    // Principal radii of gyration of the silhouette; of a needle seen from the side the short one is rounding error and may even be
+    // negative.
+    const double mean = 0.5 * second.trace(), spread = std::hypot(0.5 * (second(0, 0) - second(1, 1)), second(0, 1));
+    result.aspect = std::sqrt((mean + spread) / std::max(mean - spread, 1e-8 * (mean + spread)));
+    return result;
+  }
+
+ private:
+  const Part& part_;
+  Vector3d along_ = Vector3d::Zero();
+  Eigen::Matrix<double, 2, 3> project_ = Eigen::Matrix<double, 2, 3>::Zero();
+  double frontal_ = 0.0, whole_ = 0.0, sharp_ = 0.0;
+  Vector2d first_ = Vector2d::Zero();
+  Matrix2d second_ = Matrix2d::Zero();  // about the part's centre
+};
+
+}  // namespace
+
+std::vector<Descriptors> describe_parts(const Surface& surface, const std::vector<Vector3d>& directions) {
+  std::vector<Silhouette> seen;
+  for (std::size_t p = 0; p < surface.parts.size(); ++p) seen.emplace_back(surface.parts[p], directions[p]);
+  if (!surface.exposure) {
+    for (const Patch& patch : surface.patches)
+      seen[static_cast<std::size_t>(patch.part)].add(patch.normal, patch.centroid, patch.area, patch.second_moment);
+  } else {
+    std::vector<Exposure::Sample> samples;
+    for (const Vector3d& direction : directions) samples.push_back(surface.exposure->towards(-direction));
+    for (Eigen::Index i = 0; i < surface.size(); ++i) {
+      const auto p = static_cast<std::size_t>(surface.part[static_cast<std::size_t>(i)]);
+      const Vector3d ab = surface.edge_ab.row(i).matrix(), ac = surface.edge_ac.row(i).matrix();
+      const Eigen::Matrix3d own = (ab * ab.transpose() + ac * ac.transpose()) / 18.0 - (ab * ac.transpose() + ac * ab.transpose()) / 36.0;
+      seen[p].add(surface.normal.row(i).matrix(), surface.centroid.row(i).matrix(), surface.area[i], own,
+                  surface.exposure->share(i, samples[p]));
+    }
+  }
+  std::vector<Descriptors> found;
+  for (const Silhouette& silhouette : seen) found.push_back(silhouette.result());
+  return found;
+}
+
+Descriptors describe(const Surface& surface, const Vector3d& direction, std::size_t part) {
+  if (part >= surface.parts.size())
+    throw std::invalid_argument("describe: part = " + std::to_string(part) + ", but the surface has " +
+                                std::to_string(surface.parts.size()));
+  return describe_parts(surface, std::vector<Vector3d>(surface.parts.size(), direction))[part];
 }
 
 double curvature_along(const Surface& surface, Eigen::Index triangle, const Vector3d& tangential) {
@@ -59,7 +112,8 @@ double curvature_along(const Surface& surface, Eigen::Index triangle, const Vect
   const double turning = side * (k[0] * t.x() * t.x() + k[3] * t.y() * t.y() + k[5] * t.z() * t.z() + 2.0 * crossed);
   if (!(turning > 0.0) || !(size > 0.0)) return 0.0;
   // In units of the body: 2 for a ball. Half the indicator's rise is at a third of a ball's curvature.
-  const double x = turning / size * std::sqrt(surface.total_area / 3.14159265358979323846);
+  const Part& body = surface.parts[static_cast<std::size_t>(surface.part[static_cast<std::size_t>(triangle)])];
+  const double x = turning / size * std::sqrt(body.area / 3.14159265358979323846);
   return x * x / (x * x + 0.45);
 }
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <dragcore/drag.hpp>
 #include <stdexcept>
@@ -26,13 +27,19 @@ void check_input(const Motion& motion, const Medium& medium, const Model& model)
   for (const Vector3d& wind : motion.triangle_wind) usable(wind, "triangle_wind entry");
   require(medium.density >= 0.0 && medium.density < 1e100, "wrench: density", medium.density,
           "it must be finite and not negative [kg/m^3]");
-  const double largest = model.pillow.form == PillowForm::tilt ? 1.5 : 1.0;  // beyond, the tilt falloff would be negative on half the face
-  require(model.pillow.factor >= 0.0 && model.pillow.factor <= largest, "wrench: pillow factor", model.pillow.factor,
-          "the form '" + to_string(model.pillow.form) + "' takes 0 to " + std::to_string(largest));
+  const auto check_pillow = [](const Pillow& pillow) {
+    const double largest = pillow.form == PillowForm::tilt ? 1.5 : 1.0;  // beyond, the tilt falloff would be negative on half the face
+    require(pillow.factor >= 0.0 && pillow.factor <= largest, "wrench: pillow factor", pillow.factor,
+            "the form '" + to_string(pillow.form) + "' takes 0 to " + std::to_string(largest));
+  };
+  check_pillow(model.pillow);
   const int points = static_cast<int>(model.quadrature);
   require(points == 0 || points == 1 || points == 3 || points == 6, "wrench: points of quadrature", points,
           "it must be 1, 3 or 6, or 0 for adaptive");
   validate(model.law);
+  if (!model.sheets) return;
+  check_pillow(model.sheets->pillow);
+  validate(model.sheets->law);
 }
 
 void check_input(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
@@ -92,9 +99,18 @@ std::string to_string(Effect effect) {
   throw std::invalid_argument("not an effect");
 }
 
-Pillow class_pillow() { return {PillowForm::tilt, 0.86}; }
+Pillow class_pillow(BodyClass body_class) { return {PillowForm::tilt, body_class == BodyClass::sheet ? 0.86 : 0.5}; }
 
-Model model_for(const Surface& surface) { return {.law = law_for(surface.body_class), .pillow = class_pillow()}; }
+Model model_for(const Surface& surface) {
+  const auto has = [&](bool sheet) {
+    return std::any_of(surface.parts.begin(), surface.parts.end(),
+                       [sheet](const Part& p) { return (p.body_class == BodyClass::sheet) == sheet; });
+  };
+  const BodyClass main = has(false) ? BodyClass::sharp : BodyClass::sheet;  // sharp and smooth bodies share a law
+  Model model{.law = law_for(main), .pillow = class_pillow(main)};
+  if (has(false) && has(true)) model.sheets = SheetModel{law_for(BodyClass::sheet), class_pillow(BodyClass::sheet)};
+  return model;
+}
 
 WrenchByTerm wrench(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
   check_input(surface, motion, medium, model);

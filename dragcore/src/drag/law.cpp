@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include "support/require.hpp"
+#include <dragcore/unknown_word.hpp>
 
 namespace dragcore {
 
@@ -40,9 +41,7 @@ const std::vector<std::string>& law_names() {
 Law named_law(const std::string& name) {
   for (const Law& law : {note_law(), consistent_law(), sheet_law(), closed_law()})
     if (law.name == name) return law;
-  std::string known;
-  for (const std::string& word : law_names()) known += (known.empty() ? "" : ", ") + word;
-  throw std::invalid_argument("unknown law '" + name + "'; known: " + known);
+  throw std::invalid_argument(unknown_word("law", name, law_names()));
 }
 
 void validate(const Law& law) {

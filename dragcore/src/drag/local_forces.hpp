@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include "drag/body_law.hpp"
 #include "drag/pillow_shift.hpp"
@@ -34,22 +36,64 @@ struct LocalForce {
 /// The same as of the public header, seen from the side of the normal (1) or from the back of a sheet (-1), where what is convex is hollow.
 double curvature_along(const Surface& surface, Eigen::Index triangle, const Eigen::Vector3d& tangential, double side);
 
+/// Descriptors of all parts, each in its own flow.
+std::vector<Descriptors> describe_parts(const Surface& surface, const std::vector<Eigen::Vector3d>& directions);
+
+/// What one part of a surface feels by.
+struct PartModel {
+  BodyLaw law;
+  PillowShift pillow;
+  std::optional<Exposure::Sample> wind_from{};
+  double directed = 1.0;
+
+  /// Share of a triangle that the wind reaches.
+  double reached(const Surface& surface, Eigen::Index triangle) const {
+    return wind_from ? 1.0 - directed * (1.0 - surface.exposure->share(triangle, *wind_from)) : 1.0;
+  }
+};
+
+inline std::vector<PartModel> part_models(const Surface& surface, const Motion& motion, const Model& model, const RelativeFlow& flow) {
+  const std::size_t count = surface.parts.size();
+  std::vector<ActiveEffects> active;
+  std::vector<Eigen::Vector3d> directions;
+  bool described = false;
+  for (std::size_t p = 0; p < count; ++p) {
+    const BodyClass body_class = surface.parts[p].body_class;
+    active.emplace_back(motion, model, model.law_of(body_class), model.pillow_of(body_class));
+    directions.push_back(flow.at_centre(p));
+    described = described || BodyLaw::needs_descriptors(model.law_of(body_class), active[p]);
+  }
+  const std::vector<Descriptors> bodies = described ? describe_parts(surface, directions) : std::vector<Descriptors>(count);
+  std::vector<PartModel> parts;
+  parts.reserve(count);
+  for (std::size_t p = 0; p < count; ++p) {
+    const BodyClass body_class = surface.parts[p].body_class;
+    PartModel part{.law = BodyLaw(model.law_of(body_class), bodies[p], flow.directed(p), active[p]),
+                   .pillow = PillowShift(surface, flow, model.pillow_of(body_class), active[p].has<Effect::pillow>()),
+                   .directed = flow.directed(p)};
+    if (surface.exposure && flow.directed(p) > 0.0) part.wind_from = surface.exposure->towards(-directions[p]);
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
 /// Calls visit(LocalForce) for every contribution, triangle by triangle: the one place where the model walks over a surface.
 /// @param every_point  of the model's rule, also where the flow is the same all over a triangle: what a change of spin would do needs them
 template <class Visit>
 void for_each_local_force(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model, Visit&& visit,
                           bool every_point = false) {
   using Eigen::Vector3d;
-  const ActiveEffects active(motion, model);
-  const RelativeFlow flow(surface, motion, active);
-  const BodyLaw law(surface, model.law, flow, active);
-  const PillowShift pillow(surface, flow, model.pillow, active);
-  const bool leeward = law.feels_leeward();
+  const ActiveEffects moving(motion, model);  // spin and wind are of the motion alone
+  const RelativeFlow flow(surface, motion, moving);
+  const std::vector<PartModel> parts = part_models(surface, motion, model, flow);
 
   for (Eigen::Index i = 0; i < surface.size(); ++i) {
+    const PartModel& part = parts[RelativeFlow::part_of(surface, i)];
     const Vector3d normal = surface.normal.row(i).matrix(), centroid = surface.centroid.row(i).matrix();
     const Vector3d ab = surface.edge_ab.row(i).matrix(), ac = surface.edge_ac.row(i).matrix();
-    const Vector3d a = centroid - (ab + ac) / 3.0, shift = pillow.of(i);
+    const Vector3d a = centroid - (ab + ac) / 3.0, shift = part.pillow.of(i);
+    const double back = surface.back[i], reached = part.reached(surface, i);
+    const bool leeward = part.law.feels_leeward();
 
     const auto at_point = [&](double s, double t, double weight) {
       const Vector3d r = a + s * ab + t * ac;
@@ -59,23 +103,25 @@ void for_each_local_force(const Surface& surface, const Motion& motion, const Me
         const Vector3d u = flow.at(place, i);
         const double speed = u.norm(), w = -u.dot(normal);
         if (!(speed > 0.0) || w == 0.0) return;
-        if (!surface.two_sided() && (w < 0.0) != is_leeward) return;
-        const Vector3d outward =
-            (w < 0.0) != is_leeward ? Vector3d(-normal) : normal;  // on a sheet one of the two sides is right for either
+        const bool front = (w < 0.0) == is_leeward;  // of the two sides of a sheet one is right for either
+        const double side = front ? 1.0 : back;
+        if (!(side > 0.0)) return;
+        const Vector3d outward = front ? normal : Vector3d(-normal);
         const double c = std::min(1.0, std::abs(w) / speed);
         if (!(c > 0.0)) return;  // edge-on to the last bit
         const auto pass = [&](Term term, const Curve& coefficient) {
-          visit(LocalForce{i, term, place - motion.reference_point, outward, u, speed, c, half_rho_area, coefficient});
+          visit(LocalForce{i, term, place - motion.reference_point, outward, u, speed, c, half_rho_area * side, coefficient});
         };
         if (is_leeward)
-          law.leeward(c, pass);
+          part.law.leeward(c, pass);
         else
-          law.windward(
-              c, [&] { return curvature_along(surface, i, (u - normal * normal.dot(u)) / speed, w > 0.0 ? 1.0 : -1.0); }, pass);
+          part.law.windward(
+              c, [&] { return curvature_along(surface, i, (u - normal * normal.dot(u)) / speed, w > 0.0 ? 1.0 : -1.0); },
+              [&](Term term, const Curve& coefficient) { pass(term, coefficient * reached); });
       };
       feel(r + shift, false);
       if (leeward) feel(r, true);
-      if (active.has<Effect::friction>()) {
+      if (const double friction = part.law.friction(); friction > 0.0) {
         instrument::count(Effect::friction);
         const Vector3d u = flow.at(r, i);
         if (const double speed = u.norm(); speed > 0.0)
@@ -86,8 +132,8 @@ void for_each_local_force(const Surface& surface, const Motion& motion, const Me
                            u,
                            speed,
                            std::min(1.0, std::abs(u.dot(normal)) / speed),
-                           half_rho_area * (surface.two_sided() ? 2.0 : 1.0),
-                           {model.law.friction, 0.0}});
+                           half_rho_area * (1.0 + back),
+                           {friction, 0.0}});
       }
     };
     const auto at_points = [&](Quadrature order, double share) {

@@ -207,11 +207,16 @@ Vector3d patch_pillow_shift(const Patch& patch, const Vector3d& u, double alpha,
   return frame.along * (moment_s / area * frame.chord + frame.leading) + across * (moment_h / area * frame.chord);
 }
 
-Vector3d tilt_pillow_shift(const Patch& patch, const Vector3d& u, double kappa) {
-  const ChordFrame frame = chord_frame(patch, u);
-  if (kappa == 0.0 || !(frame.chord > 0.0)) return Vector3d::Zero();
-  const double tangential_fraction = frame.along.dot(u) / u.norm();
-  return -kappa * tangential_fraction * 2.0 / frame.chord * (patch.second_moment * frame.along);
+Vector3d tilt_pillow_shift(const Vector3d& normal, const Eigen::Matrix3d& second_moment, const Vector3d& u, double kappa) {
+  const double speed = u.norm();
+  const Vector3d tangential = u - normal * normal.dot(u);
+  const double size = tangential.norm();
+  // Below this the direction is rounding error of the projection.
+  if (!(size > 1e-14 * speed)) return Vector3d::Zero();
+  const Vector3d along = tangential / size, moment = second_moment * along;
+  const double square = along.dot(moment);
+  if (!(square > 0.0)) return Vector3d::Zero();
+  return -kappa * size / speed / std::sqrt(3.0 * square) * (moment - normal * normal.dot(moment));
 }
 
 }  // namespace dragcore

@@ -7,48 +7,45 @@
 
 namespace dragcore {
 
-/// Where the pillow effect displaces windward pressure.
+/// Where the pillow effect displaces windward pressure: along the flow that the part meets at its centre, not along the velocity of its own
+/// spin. A face that only turns has no leading edge. Were the shift to follow the spin, it would feed it: a falling ball began to turn.
 class PillowShift {
  public:
-  PillowShift(const Surface& surface, const RelativeFlow& flow, const Pillow& pillow, const ActiveEffects& active)
-      : surface_(surface), flow_(flow), pillow_(pillow), active_(active.has<Effect::pillow>()) {
-    if (!active_ || (pillow.form != PillowForm::patch && pillow.form != PillowForm::tilt)) return;
-    patches_.reserve(surface.patches.size());
-    for (std::size_t p = 0; p < surface.patches.size(); ++p) {
-      const Patch& patch = surface.patches[p];
-      const Eigen::Vector3d u = flow.at_patch(patch, p);
-      if (!surface.two_sided() && !flow.varies() && u.dot(patch.normal) >= 0.0) {
-        patches_.emplace_back(Eigen::Vector3d::Zero());  // leeward as a whole: nothing to displace
-        continue;
-      }
-      instrument::count(Effect::pillow);
-      const auto falls_off = [&](double alpha) { return patch_pillow_shift(patch, u, alpha, pillow.falloff); };
-      const Eigen::Vector3d shift =
-          pillow.form == PillowForm::tilt ? tilt_pillow_shift(patch, u, pillow.factor) : faded(u, patch.normal, falls_off);
-      patches_.emplace_back(directed(u, patch.second_moment.trace()) * shift);
-    }
+  PillowShift(const Surface& surface, const RelativeFlow& flow, const Pillow& pillow, bool active)
+      : surface_(surface), flow_(flow), pillow_(pillow), active_(active) {
+    if (!active || pillow.form != PillowForm::patch) return;
+    for (std::size_t p = 0; p < surface.patches.size(); ++p) patches_.push_back(of_patch(p));  // one for all of its triangles
   }
 
   Eigen::Vector3d of(Eigen::Index triangle) const {
-    if (!active_) return Eigen::Vector3d::Zero();
-    if (!patches_.empty()) return patches_[RelativeFlow::patch_of(surface_, triangle)];
+    using Eigen::Vector3d;
+    const std::size_t part = RelativeFlow::part_of(surface_, triangle);
+    const double directed = active_ ? flow_.directed(part) : 0.0;
+    if (!(directed > 0.0)) return Vector3d::Zero();
+    const Vector3d normal = surface_.normal.row(triangle).matrix(), centroid = surface_.centroid.row(triangle).matrix();
+    if (pillow_.form == PillowForm::patch) return directed * patches_[RelativeFlow::patch_of(surface_, triangle)];
+    const Vector3d& u = flow_.at_centre(part);
+    if (!surface_.parts[part].two_sided && !flow_.varies() && u.dot(normal) >= 0.0) return Vector3d::Zero();
     instrument::count(Effect::pillow);
-    const Eigen::Vector3d normal = surface_.normal.row(triangle).matrix(), centroid = surface_.centroid.row(triangle).matrix();
-    const Eigen::Vector3d ab = surface_.edge_ab.row(triangle).matrix(), ac = surface_.edge_ac.row(triangle).matrix();
-    const Eigen::Vector3d u = flow_.at(centroid, triangle), a = centroid - (ab + ac) / 3.0;
-    const double square_radius = (ab.squaredNorm() + ac.squaredNorm() - ab.dot(ac)) / 18.0;
-    return directed(u, square_radius) * faded(u, normal, [&](double alpha) {
+    if (pillow_.form == PillowForm::tilt)
+      return directed * tilt_pillow_shift(normal, symmetric(surface_.second_moment.row(triangle)), u, pillow_.factor);
+    const Vector3d ab = surface_.edge_ab.row(triangle).matrix(), ac = surface_.edge_ac.row(triangle).matrix();
+    const Vector3d a = centroid - (ab + ac) / 3.0;
+    return directed * faded(u, normal, [&](double alpha) {
              return pillow_.form == PillowForm::eccentricity ? eccentricity_pillow_shift(a, a + ab, a + ac, u, alpha)
                                                              : triangle_pillow_shift(a, a + ab, a + ac, u, alpha, pillow_.falloff);
            });
   }
 
  private:
-  /// Where the air turns about a face more than it passes it there is no leading edge: as BodyLaw does with what depends on one direction
-  /// of flow.
-  double directed(const Eigen::Vector3d& u, double square_radius) const {
-    const double travel = u.squaredNorm(), variation = flow_.variation_per_metre();
-    return travel > 0.0 ? travel / (travel + variation * variation * square_radius) : 0.0;
+  Eigen::Vector3d of_patch(std::size_t index) const {
+    const Patch& patch = surface_.patches[index];
+    const Part& part = surface_.parts[static_cast<std::size_t>(patch.part)];
+    const Eigen::Vector3d& u = flow_.at_centre(static_cast<std::size_t>(patch.part));
+    const bool leeward = !part.two_sided && !flow_.varies() && u.dot(patch.normal) >= 0.0;
+    if (leeward) return Eigen::Vector3d::Zero();  // as a whole: nothing to displace
+    instrument::count(Effect::pillow);
+    return faded(u, patch.normal, [&](double alpha) { return patch_pillow_shift(patch, u, alpha, pillow_.falloff); });
   }
 
   /// Under the note's factor, faded at normal incidence.

@@ -17,8 +17,6 @@ using Eigen::Vector3d;
 WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion& motion, const Medium& medium, const Model& model) {
   const Surface surface(mesh, sides);  // for its planar patches and its curvature
   check_input(surface, motion, medium, model);
-  const Law& law = model.law;
-  const bool two_sided = surface.two_sided();
   const bool spins = model.effects.has(Effect::spin), winds = model.effects.has(Effect::wind_variation);
   const Vector3d& r_0 = motion.reference_point;
 
@@ -32,12 +30,12 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
   const auto wind_at = [&](std::size_t triangle) {
     return winds && !motion.triangle_wind.empty() ? motion.triangle_wind[triangle] : motion.wind;
   };
-  const auto mean_wind = [&](int patch) -> Vector3d {  // of one patch, or of all (-1)
+  const auto mean_wind = [&](const std::vector<int>& label, int wanted) -> Vector3d {  // over one patch or part
     if (!winds || motion.triangle_wind.empty()) return motion.wind;
     Vector3d sum = Vector3d::Zero();
     double area = 0.0;
-    for (std::size_t i = 0; i < surface.patch.size(); ++i)
-      if (patch < 0 || surface.patch[i] == patch)
+    for (std::size_t i = 0; i < label.size(); ++i)
+      if (label[i] == wanted)
         sum += surface.area[static_cast<Eigen::Index>(i)] * wind_at(i), area += surface.area[static_cast<Eigen::Index>(i)];
     return area > 0.0 ? Vector3d(sum / area) : motion.wind;
   };
@@ -49,15 +47,6 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
   const Vector3d curl(gradient(2, 1) - gradient(1, 2), gradient(0, 2) - gradient(2, 0), gradient(1, 0) - gradient(0, 1));
   const double variation = (gradient + gradient.transpose()).norm() / 2 + curl.norm() / 2;
 
-  // Descriptors of the body in the flow at its centre, and the share of that flow in all of its motion.
-  const Vector3d u_centre = u_in(mean_wind(-1), surface.centre);
-  const Descriptors body = describe(surface, u_centre);
-  const double travel = u_centre.squaredNorm(), turning = variation * variation * surface.radius * surface.radius;
-  const double directed = travel > 0.0 ? travel / (travel + turning) : 0.0;
-  const double aspect2 = body.aspect * body.aspect;
-  const double h = 1.0 + directed * law.aspect_gain * aspect2 / (aspect2 + law.aspect_scale * law.aspect_scale);
-  const double rear = directed * law.recovery * body.depth / (body.depth + law.recovery_depth);
-  const double k = body.sharpness;
   const auto saturating = [](double c, double e) { return c * (1.0 + e) / (c + e); };
 
   WrenchByTerm takes, gives;
@@ -67,101 +56,115 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
     (coefficient < 0.0 ? given : taken) += std::abs(dF.dot(u));
   };
 
-  Eigen::Index kept = 0;
-  for (const Eigen::Vector3i& triangle : mesh.triangles) {
-    const Vector3d A = mesh.vertices[triangle[0]], B = mesh.vertices[triangle[1]], C = mesh.vertices[triangle[2]];
-    if (is_degenerate(A, B, C)) continue;
-    const Eigen::Index index = kept++;
-    const int patch_index = surface.patch[static_cast<std::size_t>(index)];
-    const Patch& patch = surface.patches[static_cast<std::size_t>(patch_index)];
-    const Vector3d N = (B - A).cross(C - A).normalized(), G = (A + B + C) / 3.0;
-    const double area = 0.5 * (B - A).cross(C - A).norm();
-    const auto u = [&](const Vector3d& r) { return u_in(wind_at(static_cast<std::size_t>(index)), r); };
+  for (std::size_t p = 0; p < surface.parts.size(); ++p) {
+    const Part& part = surface.parts[p];
+    const Law& law = model.law_of(part.body_class);
+    const Pillow& pillow = model.pillow_of(part.body_class);
+    // Descriptors of the part in the flow at its centre, and the share of that flow in all of its motion.
+    const Vector3d u_centre = u_in(mean_wind(surface.part, static_cast<int>(p)), part.centre);
+    const Descriptors body = describe(surface, u_centre, p);
+    const double travel = u_centre.squaredNorm(), turning = variation * variation * part.radius * part.radius;
+    const double directed = travel > 0.0 ? travel / (travel + turning) : 0.0;
+    const double aspect2 = body.aspect * body.aspect;
+    const double h = 1.0 + directed * law.aspect_gain * aspect2 / (aspect2 + law.aspect_scale * law.aspect_scale);
+    const double rear = directed * body.reached * law.recovery * body.depth / (body.depth + law.recovery_depth);
+    const double k = body.sharpness;
 
-    // Displacement of the pressure by the pillow effect, eq. 4 to 6.
-    Vector3d shift = Vector3d::Zero();
-    const auto alpha = [&](const Vector3d& flow, const Vector3d& normal) {
-      return flow.norm() > 0.0 ? faded_pillow_factor(model.pillow.factor, std::abs(flow.dot(normal)) / flow.norm()) : 0.0;
-    };
-    if (model.effects.has(Effect::pillow)) {
-      const Vector3d over = u_in(mean_wind(patch_index), patch.centroid);
-      switch (model.pillow.form) {
-        case PillowForm::none:
-          break;
-        case PillowForm::triangle:
-          shift = triangle_pillow_shift(A, B, C, u(G), alpha(u(G), N), model.pillow.falloff);
-          break;
-        case PillowForm::eccentricity:
-          shift = eccentricity_pillow_shift(A, B, C, u(G), alpha(u(G), N));
-          break;
-        case PillowForm::patch:
-          shift = patch_pillow_shift(patch, over, alpha(over, patch.normal), model.pillow.falloff);
-          break;
-        case PillowForm::tilt:
-          shift = tilt_pillow_shift(patch, over, model.pillow.factor);
-          break;
+    for (Eigen::Index index = 0; index < surface.size(); ++index) {
+      if (surface.part[static_cast<std::size_t>(index)] != static_cast<int>(p)) continue;
+      const Vector3d N = surface.normal.row(index).matrix(), G = surface.centroid.row(index).matrix();
+      const Vector3d AB = surface.edge_ab.row(index).matrix(), AC = surface.edge_ac.row(index).matrix();
+      const Vector3d A = G - (AB + AC) / 3.0, B = A + AB, C = A + AC;
+      const double area = surface.area[index];
+      const int patch_index = surface.patch[static_cast<std::size_t>(index)];
+      const Patch& patch = surface.patches[static_cast<std::size_t>(patch_index)];
+      const double share = surface.exposure ? surface.exposure->share(index, surface.exposure->towards(-u_centre)) : 1.0;
+      const double reached = 1.0 - directed * (1.0 - share);
+      const auto u = [&](const Vector3d& r) { return u_in(wind_at(static_cast<std::size_t>(index)), r); };
+
+      // Displacement of the pressure by the pillow effect, eq. 4 to 6.
+      Vector3d shift = Vector3d::Zero();
+      const auto alpha = [&](const Vector3d& flow, const Vector3d& normal) {
+        return flow.norm() > 0.0 ? faded_pillow_factor(pillow.factor, std::abs(flow.dot(normal)) / flow.norm()) : 0.0;
+      };
+      if (model.effects.has(Effect::pillow)) {
+        switch (pillow.form) {
+          case PillowForm::none:
+            break;
+          case PillowForm::triangle:
+            shift = triangle_pillow_shift(A, B, C, u_centre, alpha(u_centre, N), pillow.falloff);
+            break;
+          case PillowForm::eccentricity:
+            shift = eccentricity_pillow_shift(A, B, C, u_centre, alpha(u_centre, N));
+            break;
+          case PillowForm::patch:
+            shift = patch_pillow_shift(patch, u_centre, alpha(u_centre, patch.normal), pillow.falloff);
+            break;
+          case PillowForm::tilt:
+            shift = tilt_pillow_shift(N, symmetric(surface.second_moment.row(index)), u_centre, pillow.factor);
+            break;
+        }
+        shift *= directed;
       }
-      // Faded where the air turns about the face more than it passes it: mean square radius of the triangle or the patch.
-      const bool whole = model.pillow.form == PillowForm::patch || model.pillow.form == PillowForm::tilt;
-      const double triangle2 = (((A + B) / 2 - G).squaredNorm() + ((B + C) / 2 - G).squaredNorm() + ((C + A) / 2 - G).squaredNorm()) / 3;
-      const double radius2 = whole ? patch.second_moment.trace() : triangle2;
-      const double passing = (whole ? over : u(G)).squaredNorm();
-      shift *= passing > 0.0 ? passing / (passing + variation * variation * radius2) : 0.0;
-    }
 
-    const auto at_point = [&](const QuadraturePoint& point, double share) {
-      const Vector3d r = A + point.s * (B - A) + point.t * (C - A), r_p = r + shift;
-      const double dA = area * point.weight * share;
-      for (const double side : {1.0, -1.0}) {
-        if (side < 0.0 && !two_sided) continue;
-        const Vector3d n = side * N;
+      const auto at_point = [&](const QuadraturePoint& point, double share_of_rule) {
+        const Vector3d r = A + point.s * (B - A) + point.t * (C - A), r_p = r + shift;
+        const double piece = area * point.weight * share_of_rule;
+        for (const double side : {1.0, -1.0}) {
+          const double felt = side > 0.0 ? 1.0 : surface.back[index];
+          if (felt == 0.0) continue;
+          const Vector3d n = side * N;
+          const double dA = piece * felt;
 
-        // Eq. 2, 7, 9, 10: on the side that meets the flow, displaced.
-        if (const double speed = u(r_p).norm(), w = -u(r_p).dot(n); w > 0.0) {
-          const double c = w / speed, x = k > 0.0 ? 1.0 - c / k : 0.0, q_dA = 0.5 * medium.density * speed * speed * dA;
-          const bool sheltered = model.effects.has(Effect::shelter) && x > 0.0;
-          const double S = sheltered ? std::exp(-directed * law.shelter * k * k * k * k * x * x / (x + 0.1)) : 1.0;
-          const auto push = [&](Term term, double coefficient) { feel(term, coefficient, -n * q_dA * coefficient, r_p, u(r_p)); };
-          push(Term::windward_pressure, S * evaluate(law.windward, c));
-          if (model.effects.has(Effect::base_suction))
-            push(Term::base_suction, S * law.base_suction * h * saturating(c, law.base_edge) * (2.0 - c));
-          if (model.effects.has(Effect::curvature)) {
-            const Vector3d t = u(r_p) - n * n.dot(u(r_p));
-            const auto K = surface.curvature.row(index);
-            const Matrix3d tensor = (Matrix3d() << K[0], K[1], K[2], K[1], K[3], K[4], K[2], K[4], K[5]).finished();
-            const double bend =
-                t.squaredNorm() > 0.0 ? side * t.dot(tensor * t) / t.squaredNorm() * std::sqrt(surface.total_area / std::numbers::pi) : 0.0;
-            const double chi = bend > 0.0 ? bend * bend / (bend * bend + 0.45)
-                                          : 0.0;  // hollow seen from the back of a sheet is convex seen from its front
-            push(Term::curvature, -S * law.curvature * chi * (1.0 - c * c) * saturating(c, 0.2));
+          // Eq. 2, 7, 9, 10: on the side that meets the flow, displaced.
+          if (const double speed = u(r_p).norm(), w = -u(r_p).dot(n); w > 0.0) {
+            const double c = w / speed, x = k > 0.0 ? 1.0 - c / k : 0.0, q_dA = 0.5 * medium.density * speed * speed * dA;
+            const bool sheltered = model.effects.has(Effect::shelter) && x > 0.0;
+            const double S = sheltered ? std::exp(-directed * law.shelter * k * k * k * k * x * x / (x + 0.1)) : 1.0;
+            const auto push = [&](Term term, double coefficient) {
+              feel(term, coefficient, -n * q_dA * reached * coefficient, r_p, u(r_p));
+            };
+            push(Term::windward_pressure, S * evaluate(law.windward, c));
+            if (model.effects.has(Effect::base_suction))
+              push(Term::base_suction, S * law.base_suction * h * saturating(c, law.base_edge) * (2.0 - c));
+            if (model.effects.has(Effect::curvature)) {
+              const Vector3d t = u(r_p) - n * n.dot(u(r_p));
+              const Matrix3d tensor = symmetric(surface.curvature.row(index));
+              const double bend = t.squaredNorm() > 0.0
+                                      ? side * t.dot(tensor * t) / t.squaredNorm() * std::sqrt(surface.total_area / std::numbers::pi)
+                                      : 0.0;
+              const double chi = bend > 0.0 ? bend * bend / (bend * bend + 0.45)
+                                            : 0.0;  // hollow seen from the back of a sheet is convex seen from its front
+              push(Term::curvature, -S * law.curvature * chi * (1.0 - c * c) * saturating(c, 0.2));
+            }
+          }
+          // Eq. 3, 8: on the side that turns away.
+          if (const double speed = u(r).norm(), w = -u(r).dot(n); w < 0.0) {
+            const double c = -w / speed, q_dA = 0.5 * medium.density * speed * speed * dA;
+            const auto pull = [&](Term term, double coefficient) { feel(term, coefficient, n * q_dA * coefficient, r, u(r)); };
+            if (model.effects.has(Effect::leeward_suction)) pull(Term::leeward_suction, evaluate(law.leeward, c));
+            if (model.effects.has(Effect::recovery)) pull(Term::rear_recovery, -law.base_suction * rear * saturating(c, law.recovery_edge));
+          }
+          // Eq. 11: along the surface, on either.
+          if (model.effects.has(Effect::friction)) {
+            const Vector3d tangential = u(r) - n * n.dot(u(r));
+            feel(Term::friction, law.friction, 0.5 * medium.density * law.friction * u(r).norm() * tangential * dA, r, u(r));
           }
         }
-        // Eq. 3, 8: on the side that turns away.
-        if (const double speed = u(r).norm(), w = -u(r).dot(n); w < 0.0) {
-          const double c = -w / speed, q_dA = 0.5 * medium.density * speed * speed * dA;
-          const auto pull = [&](Term term, double coefficient) { feel(term, coefficient, n * q_dA * coefficient, r, u(r)); };
-          if (model.effects.has(Effect::leeward_suction)) pull(Term::leeward_suction, evaluate(law.leeward, c));
-          if (model.effects.has(Effect::recovery)) pull(Term::rear_recovery, -law.base_suction * rear * saturating(c, law.recovery_edge));
-        }
-        // Eq. 11: along the surface, on either.
-        if (model.effects.has(Effect::friction)) {
-          const Vector3d tangential = u(r) - n * n.dot(u(r));
-          feel(Term::friction, law.friction, 0.5 * medium.density * law.friction * u(r).norm() * tangential * dA, r, u(r));
-        }
-      }
-    };
+      };
 
-    const double radius = std::max({(A - G).norm(), (B - G).norm(), (C - G).norm()});
-    const auto with_rule = [&](Quadrature rule, double share) {
-      for (const QuadraturePoint& point : quadrature_rule(rule)) at_point(point, share);
-    };
-    if (model.quadrature != Quadrature::adaptive) {
-      with_rule(model.quadrature, 1.0);
-    } else {
-      const QuadratureShares shares = adaptive_shares(variation * radius, u(G).norm());
-      with_rule(Quadrature::one, shares.one);
-      with_rule(Quadrature::three, shares.three);
-      with_rule(Quadrature::six, shares.six);
+      const double radius = std::max({(A - G).norm(), (B - G).norm(), (C - G).norm()});
+      const auto with_rule = [&](Quadrature rule, double share_of_rule) {
+        for (const QuadraturePoint& point : quadrature_rule(rule)) at_point(point, share_of_rule);
+      };
+      if (model.quadrature != Quadrature::adaptive) {
+        with_rule(model.quadrature, 1.0);
+      } else {
+        const QuadratureShares shares = adaptive_shares(variation * radius, u(G).norm());
+        with_rule(Quadrature::one, shares.one);
+        with_rule(Quadrature::three, shares.three);
+        with_rule(Quadrature::six, shares.six);
+      }
     }
   }
 

@@ -17,24 +17,21 @@ class RelativeFlow {
         per_triangle_(false),
         gradient_(false),
         uniform_(motion.wind - motion.velocity),
-        centre_(uniform_) {
+        centre_(surface.parts.size(), uniform_),
+        directed_(surface.parts.size(), 0.0) {
     if (active.has<Effect::wind_variation>()) {
       per_triangle_ = !motion.triangle_wind.empty();
       gradient_ = !per_triangle_ && !motion.wind_gradient.isZero(0.0);
     }
     if (per_triangle_) {
-      patch_wind_.assign(surface.patches.size(), Eigen::Vector3d::Zero());
-      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      std::vector<Eigen::Vector3d> sum(surface.parts.size(), Eigen::Vector3d::Zero());
       for (Eigen::Index i = 0; i < surface.size(); ++i) {
         instrument::count(Effect::wind_variation);
-        const Eigen::Vector3d share = surface.area[i] * motion.triangle_wind[static_cast<std::size_t>(i)];
-        patch_wind_[patch_of(surface, i)] += share;
-        sum += share;
+        sum[part_of(surface, i)] += surface.area[i] * motion.triangle_wind[static_cast<std::size_t>(i)];
       }
-      for (std::size_t p = 0; p < patch_wind_.size(); ++p) patch_wind_[p] /= surface.patches[p].area;
-      if (surface.size() > 0) centre_ = sum / surface.total_area - motion.velocity;
+      for (std::size_t p = 0; p < centre_.size(); ++p)
+        if (surface.parts[p].area > 0.0) centre_[p] = sum[p] / surface.parts[p].area - motion.velocity;
     }
-    centre_ = moved(centre_, surface.centre);
     // Of the relative flow: its rate of strain, and its turning. Air that turns with the body does not vary.
     Eigen::Vector3d turning = Eigen::Vector3d::Zero();
     if (spin_) turning = motion.angular_velocity;
@@ -44,21 +41,30 @@ class RelativeFlow {
       variation_ = 0.5 * (G + G.transpose()).norm();
     }
     variation_ += turning.norm();
+    for (std::size_t p = 0; p < centre_.size(); ++p) {
+      centre_[p] = moved(centre_[p], surface.parts[p].centre);
+      const double travel = centre_[p].squaredNorm(), turned = variation_ * surface.parts[p].radius;
+      directed_[p] = travel > 0.0 ? travel / (travel + turned * turned) : 0.0;
+    }
+  }
+
+  static std::size_t part_of(const Surface& surface, Eigen::Index triangle) {
+    return static_cast<std::size_t>(surface.part[static_cast<std::size_t>(triangle)]);
   }
 
   static std::size_t patch_of(const Surface& surface, Eigen::Index triangle) {
     return static_cast<std::size_t>(surface.patch[static_cast<std::size_t>(triangle)]);
   }
 
-  /// At a point of a triangle, of a patch, and at the surface's centre.
+  /// At a point of a triangle, and at the centre of a part.
   Eigen::Vector3d at(const Eigen::Vector3d& r, Eigen::Index triangle) const {
     return moved(per_triangle_ ? Eigen::Vector3d(motion_.triangle_wind[static_cast<std::size_t>(triangle)] - motion_.velocity) : uniform_,
                  r);
   }
-  Eigen::Vector3d at_patch(const Patch& patch, std::size_t index) const {
-    return moved(per_triangle_ ? Eigen::Vector3d(patch_wind_[index] - motion_.velocity) : uniform_, patch.centroid);
-  }
-  const Eigen::Vector3d& at_centre() const { return centre_; }
+  const Eigen::Vector3d& at_centre(std::size_t part) const { return centre_[part]; }
+  /// A spinning body has no one direction of flow: what depends on it (descriptors, pillow, exposure) fades by this share as the spin takes
+  /// over, and a tumbling body is left with the local terms. 1 without spin.
+  double directed(std::size_t part) const { return directed_[part]; }
 
   /// Whether the velocity differs between the points of one triangle, and a bound of how much per metre.
   bool varies_on_triangles() const { return spin_ || gradient_; }
@@ -81,8 +87,9 @@ class RelativeFlow {
 
   const Motion& motion_;
   bool spin_, per_triangle_, gradient_;
-  Eigen::Vector3d uniform_, centre_;
-  std::vector<Eigen::Vector3d> patch_wind_;
+  Eigen::Vector3d uniform_;
+  std::vector<Eigen::Vector3d> centre_;
+  std::vector<double> directed_;
   double variation_ = 0.0;
 };
 

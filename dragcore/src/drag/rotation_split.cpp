@@ -121,7 +121,7 @@ WrenchByTerm rotation_split_wrench(const Surface& surface, const Motion& motion,
     const Vector3d centroid = surface.centroid.row(i).matrix(), ab = surface.edge_ab.row(i).matrix(), ac = surface.edge_ac.row(i).matrix();
     const Vector3d normal = surface.normal.row(i).matrix(), a = centroid - (ab + ac) / 3.0, lever = centroid - motion.reference_point;
     const Vector3d u = motion.wind - motion.velocity - motion.angular_velocity.cross(lever);
-    if (const double speed = u.norm(), w = -u.dot(normal); speed > 0.0 && (w > 0.0 || surface.two_sided())) {
+    if (const double speed = u.norm(), w = -u.dot(normal); speed > 0.0 && (w > 0.0 || surface.back[i] > 0.0)) {
       const Vector3d force =
           -std::copysign(0.5 * medium.density * surface.area[i] * speed * speed * evaluate(windward, std::min(1.0, std::abs(w) / speed)),
                          w) *
@@ -132,7 +132,7 @@ WrenchByTerm rotation_split_wrench(const Surface& surface, const Motion& motion,
                                 ? printed_rotation({a, Vector3d(a + ab), Vector3d(a + ac)}, motion.angular_velocity, medium.density)
                                 // The other side of a sheet pushes the parts that move the other way.
                                 : rotating_triangle(a, a + ab, a + ac, motion.angular_velocity, medium.density,
-                                                    surface.two_sided() ? 1.0 : split.leeward_share);
+                                                    surface.back[i] > 0.0 ? 1.0 : split.leeward_share);
     sum += {rotation.force, rotation.torque + lever.cross(rotation.force)};
   }
   return result;

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "drag/check.hpp"
-#include "ellipsoid/ellipsoid_integrals.hpp"
+#include "support/ellipsoid_integrals.hpp"
 #include "support/require.hpp"
 
 namespace dragcore {

@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "drag/check.hpp"
-#include "ellipsoid/ellipsoid_integrals.hpp"
 #include "support/cross_matrix.hpp"
+#include "support/ellipsoid_integrals.hpp"
 #include "support/require.hpp"
 
 namespace dragcore {

@@ -69,7 +69,7 @@ class Numbers {
         rest_.substr(0, static_cast<std::size_t>(std::find_if(rest_.begin(), rest_.end(), is_separator) - rest_.begin()));
     const std::optional<double> value = number_of<double>(word);
     if (!value || !std::isfinite(*value))
-      fail(file_, "has " + quoted_bytes(word) + " at byte " + std::to_string(size_ - rest_.size()) + ", where " + what +
+      fail(file_, "has " + in_quotes(word) + " at byte " + std::to_string(size_ - rest_.size()) + ", where " + what +
                       " is needed: not a finite number");
     rest_.remove_prefix(word.size());
     return *value;

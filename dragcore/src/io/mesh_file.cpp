@@ -28,7 +28,7 @@ MeshFile read_mesh_file(const std::filesystem::path& file, double unit_m) {
   try {
     const std::string bytes = bytes_of(file);
     if (extension != ".stl" && extension != ".obj")
-      throw std::runtime_error("unknown kind " + quoted_bytes(extension) + "; needed: .stl or .obj");
+      throw std::runtime_error("unknown kind " + in_quotes(extension) + "; needed: .stl or .obj");
     if (bytes.empty()) throw std::runtime_error("is empty");
     MeshFile result = extension == ".stl" ? read_stl(bytes) : read_obj(bytes);
     if (result.mesh.triangles.empty()) throw std::runtime_error("holds no triangle");

@@ -87,7 +87,7 @@ MeshFile read_obj(std::string_view bytes) {
       const auto number = [&](std::size_t i, const char* what) {
         const std::optional<double> value = number_of<double>(words[i]);
         if (!value || !std::isfinite(*value))
-          wrong(std::string(what) + " of a vertex is " + quoted_bytes(words[i]) + "; needed: a finite number");
+          wrong(std::string(what) + " of a vertex is " + in_quotes(words[i]) + "; needed: a finite number");
         return *value;
       };
       Eigen::Vector3d vertex;
@@ -103,7 +103,7 @@ MeshFile read_obj(std::string_view bytes) {
       const auto count = static_cast<long long>(vertices.size());
       for (const std::string_view word : words) {
         const std::optional<int> given = number_of<int>(word.substr(0, word.find('/')));
-        if (!given) wrong("a corner of a face is " + quoted_bytes(word) + "; needed: the number of a vertex");
+        if (!given) wrong("a corner of a face is " + in_quotes(word) + "; needed: the number of a vertex");
         const long long index = *given < 0 ? count + *given : *given - 1LL;  // negative ones count back from the last vertex so far
         if (index < 0) wrong("a face refers to vertex " + std::to_string(*given) + ", of " + std::to_string(count) + " so far");
         corners.push_back(static_cast<int>(index));

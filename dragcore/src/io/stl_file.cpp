@@ -120,10 +120,10 @@ MeshFile read_ascii(std::string_view text) {
   const auto wrong = [&](std::string_view found, const std::string& needed) {
     const std::string line = "line " + std::to_string(words.line()) + ": ";
     if (found.empty()) fail(line + "truncated: the file ends where " + needed + " is needed. Export it again");
-    fail(line + quoted_bytes(found) + " where " + needed + " is needed");
+    fail(line + in_quotes(found) + " where " + needed + " is needed");
   };
   const auto expect = [&](std::string_view keyword) {
-    if (const std::string_view found = words.next(); !is(found, keyword)) wrong(found, quoted_bytes(keyword));
+    if (const std::string_view found = words.next(); !is(found, keyword)) wrong(found, in_quotes(keyword));
   };
   std::size_t solids = 0, line_outside = 0;
   bool in_solid = false;

@@ -55,7 +55,7 @@ inline std::string_view take_word(std::string_view& rest) {
 }
 
 /// The first 40 bytes of a word in quotes, for messages. All but printable ASCII becomes \xHH, so that no file can steer a terminal.
-inline std::string quoted_bytes(std::string_view word) {
+inline std::string in_quotes(std::string_view word) {
   constexpr std::size_t most = 40;
   constexpr const char* digits = "0123456789abcdef";
   std::string result = "'";

@@ -65,7 +65,11 @@ std::string text(double value) {
 RequiredEffects required_effects(const Scene& scene) {
   const Surface& surface = scene.surface;
   const Motion& motion = scene.motion;
-  const Law& law = scene.model.law;
+  // Of a mesh with sheets and bodies: the larger of each number, and of each bound.
+  const Law& second = scene.model.sheets ? scene.model.sheets->law : scene.model.law;
+  Law law = scene.model.law;
+  for (double Law::*number : {&Law::friction, &Law::base_suction, &Law::aspect_gain, &Law::recovery, &Law::shelter, &Law::curvature})
+    law.*number = std::max(law.*number, second.*number);
   check_input(surface, motion, scene.medium, scene.model);
   validate(law);
   require(scene.tolerance > 0.0 && scene.tolerance < 1e6, "required_effects: tolerance", scene.tolerance, "it must be greater than 0");
@@ -102,8 +106,12 @@ RequiredEffects required_effects(const Scene& scene) {
   result.torque_scale = result.force_scale * surface.radius;
 
   // The law's terms, each at its largest.
-  const Bounds windward = bounds_of([&](double c) { return Curve{evaluate(law.windward, c), derivative(law.windward, c)}; });
-  const Bounds leeward = bounds_of([&](double c) { return Curve{evaluate(law.leeward, c), derivative(law.leeward, c)}; });
+  const auto of_polynomial = [&](Law::Polynomial Law::*polynomial) {
+    const auto bounds = [](const Law::Polynomial& p) { return bounds_of([&](double c) { return Curve{evaluate(p, c), derivative(p, c)}; }); };
+    const Bounds a = bounds(law.*polynomial), b = bounds(second.*polynomial);
+    return Bounds{std::max(a.value, b.value), std::max(a.slope, b.slope)};
+  };
+  const Bounds windward = of_polynomial(&Law::windward), leeward = of_polynomial(&Law::leeward);
   const double h = 1.0 + law.aspect_gain;
   const Bounds base = bounds_of([&](double c) { return saturating(c, law.base_edge) * Curve{2.0 - c, -1.0} * (law.base_suction * h); });
   const Bounds recovery = bounds_of([&](double c) { return saturating(c, law.recovery_edge) * (law.base_suction * law.recovery); });
@@ -111,7 +119,7 @@ RequiredEffects required_effects(const Scene& scene) {
   for (Eigen::Index i = 0; i < surface.size(); ++i)
     if ((surface.curvature.row(i) != 0.0).any()) curved_area += surface.area[i];
   const Bounds curvature = bounds_of([&](double c) { return saturating(c, 0.2) * Curve{1.0 - c * c, -2.0 * c} * law.curvature; });
-  const double sides = surface.two_sided() ? 2.0 : 1.0;
+  const double sides = 1.0 + (surface.size() > 0 ? surface.back.maxCoeff() : 0.0);
   // Smallest frontal area, from below: |n.d| >= (n.d)^2, and a body's rear half does not count.
   Eigen::Matrix3d facing = Eigen::Matrix3d::Zero();
   for (Eigen::Index i = 0; i < surface.size(); ++i) {
@@ -163,8 +171,11 @@ RequiredEffects required_effects(const Scene& scene) {
   // Pillow: moves pressure, and changes the force only where the velocity differs between the two places.
   double moved = 0.0;
   if (active.has<Effect::pillow>()) {
-    const bool whole_patches = scene.model.pillow.form == PillowForm::patch || scene.model.pillow.form == PillowForm::tilt;
-    if (whole_patches) {
+    if (scene.model.pillow.form == PillowForm::tilt) {
+      const double factor = std::max(scene.model.pillow.factor, scene.model.sheets ? scene.model.sheets->pillow.factor : 0.0);
+      for (Eigen::Index i = 0; i < surface.size(); ++i)
+        moved += surface.area[i] * largest_shift({PillowForm::tilt, factor}, symmetric(surface.second_moment.row(i)).trace(), 2.0 * surface.radius);
+    } else if (scene.model.pillow.form == PillowForm::patch) {
       for (const Patch& patch : surface.patches) {
         double radius = 0.0;
         for (const auto& [from, to] : patch.outline) radius = std::max(radius, (from - patch.centroid).norm());

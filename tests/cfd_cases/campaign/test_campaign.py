@@ -99,10 +99,16 @@ def interrupt(folder):
     (folder / "two.toml").write_text(TWO_CASES.replace("100\n", "120\n"))
     campaign = subprocess.Popen([DRAGVAL, "run", "two.toml"], cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     wait_for(lambda: solvers_below(folder), 30, "no case begins")
+
+    def states():
+        return sorted(case["state"] for case in json.loads(dragval(folder, "explain", "re-1.2e2", "--matrix", "two.toml", "--json").stdout))
+
+    expect(states() == ["running", "to solve"], f"explain during a run says {states()}")
     campaign.send_signal(signal.SIGINT)
     _, messages = campaign.communicate(timeout=30)
     expect(campaign.returncode == 130 and "interrupted" in messages, f"Ctrl-C ends with {campaign.returncode}: {messages}")
     expect(not solvers_below(folder), "Ctrl-C left a solver running")
+    expect(states() == ["interrupted", "to solve"], f"explain after Ctrl-C says {states()}")
 
 
 def divergence(folder):

@@ -23,6 +23,9 @@ const std::vector<case_record::CaseRecord>& references() {
   return cases;
 }
 
+/// Their descriptions do not tell the case again; what cells they need is in test_snappy.cpp.
+bool of_triangles(const case_record::CaseRecord& record) { return std::holds_alternative<dragcore::MeshBody>(record.shape); }
+
 CostEstimate estimate(const CaseSpec& spec) { return committed().estimate(spec, identify(spec, kTools)); }
 
 std::string error_of(const std::string& text) {
@@ -45,6 +48,10 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 TEST_CASE("a stored description tells which case it was", "[cfd_cases][key]") {
   for (const auto& record : references()) {
     CAPTURE(record.name);
+    if (of_triangles(record)) {  // which are not in the description
+      CHECK_FALSE(described_case(record.description));
+      continue;
+    }
     const auto known = described_case(record.description);
     REQUIRE(known);
     const CaseIdentity again = identify(known->spec, kTools);
@@ -60,6 +67,7 @@ TEST_CASE("predicted cells are those of the stored meshes", "[cfd_cases][cost]")
   int meshed_at_once = 0;
   for (const auto& record : references()) {
     CAPTURE(record.name, record.cells);
+    if (of_triangles(record)) continue;
     const auto known = described_case(record.description);
     if (record.cells == 0) continue;  // checkMesh refused all sizes: shown in every table as failed
     const double ratio = record.cells / committed().estimate(known->spec, known->identity).cells;
@@ -81,6 +89,7 @@ TEST_CASE("predicted cells are those of the stored meshes", "[cfd_cases][cost]")
 TEST_CASE("the CPU time of the stored campaign is predicted within a quarter", "[cfd_cases][cost]") {
   double predicted = 0.0, found = 0.0;
   for (const auto& record : references()) {
+    if (of_triangles(record)) continue;
     const auto known = described_case(record.description);
     predicted += committed().estimate(known->spec, known->identity).total_cpu_s();
     for (const auto& [stage, cost] : record.cost) found += cost.cpu_s;
@@ -129,6 +138,7 @@ TEST_CASE("a fit finds the law that made the costs, whatever a few busy hours di
   auto cases = references();
   int n = 0;
   for (auto& record : cases) {
+    if (of_triangles(record)) continue;
     const auto known = described_case(record.description);
     const CostEstimate made = committed().estimate(known->spec, known->identity);
     record.cells = static_cast<int>(std::round(made.cells));

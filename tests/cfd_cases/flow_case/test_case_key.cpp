@@ -51,6 +51,22 @@ TEST_CASE("a key changes with all that determines a result", "[cfd_cases][key]")
   CHECK(identify(base, newer).key != key);
 }
 
+TEST_CASE("the key of a body of triangles changes with every one of them", "[cfd_cases][key]") {
+  dragcore::TriangleMesh mesh = dragcore::triangulate(dragcore::Cone{}, 2);
+  const auto key_of = [&](double area) {
+    CaseSpec spec;
+    spec.shape = dragcore::mesh_body("hat", mesh, area, 1.0);
+    const CaseIdentity identity = identify(spec, kTools);
+    CHECK_FALSE(described_case(identity.description).has_value());  // the triangles are not in it
+    return identity.key;
+  };
+  const std::string key = key_of(1.0);
+  CHECK(key_of(1.0) == key);
+  CHECK(key_of(2.0) != key);
+  mesh.vertices[3] *= 1.0 + 1e-6;
+  CHECK(key_of(1.0) != key);
+}
+
 TEST_CASE("a key does not change with where, how fast and for whom a case is solved", "[cfd_cases][key][invariance]") {
   const std::string key = identify(plate(30.0), kTools).key;
   CaseSpec spec = plate(30.0);

@@ -165,3 +165,35 @@ TEST_CASE("the tiers of the repository can be read, and quick holds what the mai
   CHECK(load_matrix("reference").cases.size() > 60);
   CHECK_THROWS_WITH(load_matrix("no-such-tier"), Contains("no-such-tier") && Contains("smoke"));
 }
+
+TEST_CASE("a body of triangles comes from a file beside the matrix and says its reference area and length", "[cfd_cases][matrix]") {
+  const auto in_matrices = [](const std::string& keys) {
+    return parse_matrix("[[sweep]]\nshape = \"mesh\"\n" + keys, std::filesystem::path(SOURCE_FOLDER) / "cfd_cases/matrices/test.toml");
+  };
+  const auto fault = [&](const std::string& keys) {
+    try {
+      in_matrices(keys);
+    } catch (const ConfigurationError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string reference = "reference_area = 0.5\nreference_length = 2\n", file = "file = \"../bodies/l_bracket.stl\"\n";
+  const CaseSpec spec = in_matrices(reference + file + "incidence_deg = 45\n").cases.at(0);
+  CHECK(spec.name == "l_bracket_incidence-045_re-1e5_medium");
+  const auto measured = dragcore::properties(spec.shape);
+  CHECK(measured.reference_area == 0.5);
+  CHECK(measured.reference_length == 2.0);
+  CHECK(measured.volume == Approx(7.0 / 16.0));  // exact in single precision: multiples of 1/8
+  CHECK(measured.area == Approx(4.0 + 2.0 * 7.0 / 16.0));
+
+  CHECK_THAT(fault(file), Contains("needs reference_area [m2] and reference_length [m]"));
+  CHECK_THAT(fault(reference), Contains("needs file = \"body.stl\""));
+  CHECK_THAT(fault(reference + "file = \"../bodies/absent.stl\"\n"),
+             StartsWith(SOURCE_FOLDER) && Contains(":5:") && Contains("absent.stl"));
+  CHECK_THAT(fault(reference + file + "spin = \"z\"\n"), Contains("at rest"));
+  CHECK_THAT(fault(reference + file + "mesher = \"octree\"\n"), Contains("snappyHexMesh"));
+  CHECK_THAT(fault(reference + file + "reference_mass = 1\n"), Contains("unknown key 'reference_mass'"));
+  // Keys of a file say nothing about a plate.
+  CHECK_THAT(error_of("[[sweep]]\nshape = \"plate\"\nreference_area = 1\n"), Contains("unknown key 'reference_area'"));
+}

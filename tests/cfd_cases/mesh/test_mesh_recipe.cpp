@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "cfd_cases/flow_case/case_mesh.hpp"
 #include "cfd_cases/flow_case/matrix.hpp"
-#include "cfd_cases/mesh/mesh.hpp"
 #include "cfd_cases/mesh/mesh_recipe.hpp"
 
 using namespace cfd_cases;

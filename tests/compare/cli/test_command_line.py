@@ -29,7 +29,89 @@ with tempfile.TemporaryDirectory() as folder:
     # Mesh files: a sound one is described, a cut one is refused by name.
     with open("box.obj", "w") as box:
         box.write("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
-    assert "4 triangles, closed" in run("mesh", "box.obj", code=0).stdout
+    described = run("mesh", "box.obj", code=0).stdout
+    assert "4 triangles, closed" in described and "extents   1 x 1 x 1 m" in described, described
+    assert "class     sharp" in described and "closed with the tilt pillow" in described and "question" not in described, described
+    mesh = json.loads(run("mesh", "box.obj", "--json", code=0).stdout)
+    assert mesh["law"] == "closed" and mesh["closed"] and abs(mesh["volume_m3"] - 1 / 6) < 1e-12 and mesh["question"] is None, mesh
+    assert mesh["centroid_m"] == [0.25, 0.25, 0.25], mesh  # of a tetrahedron: the mean of its corners
+    for unit, metres in {"mm": 0.001, "cm": 0.01, "in": 0.0254, "ft": 0.3048, "m": 1.0, "0.5": 0.5}.items():
+        scaled = json.loads(run("mesh", "box.obj", "--unit", unit, "--json", code=0).stdout)
+        assert scaled["extents_m"] == [metres] * 3, scaled
+    assert "mm, cm, m, in, ft" in run("mesh", "box.obj", "--unit", "furlong", code=2).stderr
+    run("mesh", "box.obj", "--unit", "-1", code=2)
+
+    # A file in millimetres read as metres raises the question, and an answer ends it.
+    with open("large.obj", "w") as large:
+        large.write("v 0 0 0\nv 250 0 0\nv 0 250 0\nv 0 0 250\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    assert "--unit mm" in run("mesh", "large.obj", code=0).stdout
+    assert "--unit mm" in run("drag", "large.obj", "--wind", "1", "0", "0", code=0).stderr
+    for answer in ("mm", "m"):
+        assert "--unit" not in run("drag", "large.obj", "--wind", "1", "0", "0", "--unit", answer, code=0).stderr
+
+    # What the forces see can be written; the file itself stays.
+    run("mesh", "box.obj", "--unit", "cm", "--repair", "box.stl", code=0)
+    assert json.loads(run("mesh", "box.stl", "--json", code=0).stdout)["triangles"] == 4
+    before_repair = open("box.obj").read()
+    assert "overwrite" in run("mesh", "box.obj", "--repair", "./box.obj", code=2).stderr
+    assert ".stl" in run("mesh", "box.obj", "--repair", "box.ply", code=2).stderr
+    assert open("box.obj").read() == before_repair
+
+    # The drag of a cube by the note's law: C_D 1 on its face, q A = 1/2 1.2 10^2 (0.5 m)^2 = 15 N.
+    corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+    faces = ["1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"]
+    with open("cube.obj", "w") as cube:
+        cube.write("".join("v %d %d %d\n" % corner for corner in corners) + "".join("f " + face + "\n" for face in faces))
+    air = ("--unit", "0.5", "--density", "1.2", "--law", "note")
+    drag = json.loads(run("drag", "cube.obj", "--wind", "-10", "0", "0", *air, "--format", "json", code=0).stdout)
+    row = drag["rows"][0]
+    assert abs(row["force_N"][0] + 15) < 1e-9 and abs(row["coefficients"]["C_D"] - 1) < 1e-12, row
+    assert all(abs(x - 0.25) < 1e-12 for x in drag["moment_centre_m"]) and max(map(abs, row["torque_N_m"])) < 1e-9, drag
+    assert abs(drag["area_m2"] - 0.25) < 1e-12 and "frontal" in drag["area_is"] and drag["length_m"] == 0.5, drag
+    # About another point: r x F with r = (0.25, 0.25, 0.25) from the corner gives M = (0, -15/4, 15/4) N m.
+    head_on = ("drag", "cube.obj", "--wind", "-10", "0", "0", *air, "--format", "json")
+    about = json.loads(run(*head_on, "--centre", "0", "0", "0", code=0).stdout)
+    assert all(abs(a - b) < 1e-9 for a, b in zip(about["rows"][0]["torque_N_m"], (0, -3.75, 3.75))), about
+    # A pose and the wind that it means are the same; areas and lengths scale coefficients, and nothing else.
+    as_json = ("drag", "cube.obj", *air, "--format", "json")
+    posed = run(*as_json, "--yaw", "30", "--incidence", "10", "--area", "2", "--length", "3", code=0).stdout
+    posed = json.loads(posed)["rows"][0]
+    by_wind = run(*as_json, "--wind", *map(str, posed["wind_m_s"]), "--area", "1", "--length", "1", code=0).stdout
+    by_wind = json.loads(by_wind)["rows"][0]
+    for name, value in posed["coefficients"].items():
+        assert abs(by_wind["coefficients"][name] - value * (2 if name[2].isupper() else 6)) < 1e-9, (name, posed, by_wind)
+    sweep = run("drag", "cube.obj", "--sweep", "yaw", "0:90:22.5", *air, "--format", "csv", code=0).stdout.splitlines()
+    columns = sweep[0].split(",")
+    values = [dict(zip(columns, line.split(","))) for line in sweep[1:]]
+    assert [float(row["yaw_deg"]) for row in values] == [0, 22.5, 45, 67.5, 90], sweep
+    # One area for the sweep, the cube edge-on; a quarter turn gives the same drag and, mirrored, the opposite side force.
+    assert all(abs(float(row["area_m2"]) - 0.25 * 2**0.5) < 1e-8 for row in values), sweep
+    assert abs(float(values[0]["C_D"]) - float(values[4]["C_D"])) < 1e-8, sweep
+    assert abs(float(values[1]["C_S"]) + float(values[3]["C_S"])) < 1e-8 and abs(float(values[1]["C_S"])) > 0.01, sweep
+    shown = run("drag", "cube.obj", "--sweep", "yaw", "0:90:22.5", "--speed", "20", code=0).stdout
+    assert "law closed" in shown and "tilt pillow" in shown and "22.5°" in shown, shown
+    assert "the largest of the sweep, at yaw 45°" in shown, shown
+    assert max(map(len, shown.splitlines()[6:])) <= 132, shown
+    still = run("drag", "cube.obj", "--spin", "0", "0", "20", code=0).stdout
+    assert "still air" in still and "no coefficients" in still, still
+    with open("sheet.obj", "w") as sheet:
+        sheet.write("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
+    edge_on = ("drag", "sheet.obj", "--incidence", "180", "--format", "json")
+    assert json.loads(run(*edge_on, code=0).stdout)["rows"][0]["coefficients"] is None
+    assert abs(json.loads(run(*edge_on, "--area", "1", code=0).stdout)["rows"][0]["coefficients"]["C_D"]) < 0.1
+    assert "--wind 10 0 2" in run("drag", "cube.obj", code=2).stderr
+    assert "did you mean yaw" in run("drag", "cube.obj", "--sweep", "yav", "0:90:5", code=2).stderr
+    for range_ in ("0:90", "90:0:5", "0:90:0", "0:90:5:1", "a:b:c", "0:90:1e-9"):
+        assert "--sweep" in run("drag", "cube.obj", "--sweep", "yaw", range_, code=2).stderr
+    run("drag", "cube.obj", "--wind", "10", "0", code=2)
+    run("drag", "cube.obj", "--wind", "10", "0", "0", "--speed", "3", code=2)
+    assert "nothing.stl" in run("drag", "nothing.stl", "--wind", "1", "0", "0", code=3).stderr
+    # Normals that point inwards are turned, and that is said.
+    with open("inside_out.obj", "w") as inverted:
+        inverted.write("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n")
+    turned = run("mesh", "inside_out.obj", "--repair", "outside.stl", code=0).stdout
+    assert "inside out" in turned and "turned" in turned and "1 x 1 x 1 m" in turned, turned
+    assert "found" not in run("mesh", "outside.stl", code=0).stdout
     with open("cut.stl", "wb") as cut:
         cut.write(bytes(80) + (12).to_bytes(4, "little") + bytes(100))
     refused = run("mesh", "cut.stl", code=3).stderr
@@ -38,6 +120,16 @@ with tempfile.TemporaryDirectory() as folder:
     table = run("compare", code=0)
     assert "plate, Re 100000, k_omega_sst" in table.stdout and "\x1b" not in table.stdout, table.stdout
     assert os.path.exists("results/comparison.h5")
+    lines = table.stdout.splitlines()
+    assert lines[0].startswith("error = model - CFD") and "by class, tilt pillow" in lines[3], table.stdout
+    assert table.stdout.index("rms error of") < table.stdout.index("Errors by group") < table.stdout.index("incidence 30")
+    cubes = json.loads(run("compare", "--only", "cube", "--json", "--output", "", code=0).stdout)
+    every = json.loads(run("compare", "--json", "--output", "", code=0).stdout)
+    assert cubes["compared"] == 4 and {row["shape"] for row in cubes["rows"]} == {"cube"} and not cubes["spin"], cubes
+    assert cubes["rows"] == [row for row in every["rows"] if row["shape"] == "cube"]
+    pattern = json.loads(run("compare", "--only", "cone_*-06?_*", "--json", "--output", "", code=0).stdout)
+    assert {row["case"] for row in pattern["rows"]} == {"cone_incidence-060_re-1e5_medium"}, pattern
+    assert "'zeppelin' in its name" in run("compare", "--only", "zeppelin", "--output", "", code=5).stderr
     for format in ("md", "csv", "json"):
         assert run("compare", "--format", format, "--output", "", code=0).stdout
     document = json.loads(run("compare", "--json", "--law", "consistent", "--cache", "cache", code=0).stdout)
@@ -59,21 +151,34 @@ with tempfile.TemporaryDirectory() as folder:
     baseline["models"]["note"]["cases"][some_case]["C_D"]["model"] += 1e-6
     json.dump(baseline, open("changed.json", "w"))
     assert "FAIL" in run("gate", "--baseline", "changed.json", code=1).stdout
+    widened = json.load(open("results/baselines/quick.json"))
+    widened["case_budget"] = 1e9
+    json.dump(widened, open("widened.json", "w"))
+    refused = run("gate", "--baseline", "widened.json", code=1).stdout
+    assert "budget 1e+09" in refused and "at most 0.01" in refused, refused
     baseline["planned"].append("a case that nobody solved")
     json.dump(baseline, open("changed.json", "w"))
     assert "a case that nobody solved" in run("gate", "--baseline", "changed.json", code=5).stdout
 
     open("truncated.h5", "wb").write(before[: len(before) // 2])
     assert "truncated.h5" in run("compare", "--store", "truncated.h5", code=3).stderr
-    assert "text.json" in run("compare", "--store", "text.json", code=3).stderr
+    gone = run("compare", "--store", "text.json", code=3).stderr
+    assert "text.json" in gone and os.getcwd() in gone and "--store" in gone, gone
+    assert "--cache" in run("compare", "--cache", "gone", code=3).stderr
     os.mkdir("empty")
     run("compare", "--cache", "empty", "--output", "", code=5)
     run("collect", "--cache", "empty", code=5)
     assert "note, consistent" in run("compare", "--law", "nonsense", code=2).stderr
+    assert "did you mean consistent?" in run("compare", "--law", "consistant", code=2).stderr
+    assert "--factor" in run("compare", "--pillow", "tilt", code=2).stderr
+    assert "--pillow" in run("compare", "--factor", "0.5", code=2).stderr
     run("compare", "--pillow", "nonsense", code=2)
     run("compare", "--by", "nonsense", code=2)
     run("compare", "--format", "nonsense", code=2)
     run("compare", "--nonsense", code=2)
-    run("nonsense", code=2)
+    unknown = run("nonsense", code=2).stderr
+    assert "did you mean" not in unknown and "compare" in unknown and "drag" in unknown, unknown
+    assert "did you mean compare?" in run("comapre", code=2).stderr
+    assert "did you mean accept?" in run("baseline", "acept", "--reason", "x", code=2).stderr
     run(code=2)
     assert "Example" in run("compare", "--help", code=0).stdout

@@ -112,6 +112,59 @@ TEST_CASE("rounding passes", "[compare][gate][limit]") {
   CHECK(result.passed());
 }
 
+TEST_CASE("a baseline whose uncertainties, budgets or errors were edited is refused, whichever way", "[compare][gate][regression]") {
+  // With a budget of 1e9, or with u of 1e9 in one case, every model used to pass.
+  const auto records = sample::quick_tier();
+  const auto sound = compare::make_baseline(records, "test");
+  const auto refused_as = [&](const compare::Baseline& edited) {
+    const auto result = compare::run_gate(edited, records);
+    CHECK_FALSE(result.passed());
+    for (const auto& check : result.checks)
+      if (check.name == "note: terms of the baseline") return check.detail;
+    return std::string();
+  };
+  const auto& entries = sound.models.at("note").cases;
+  const std::string case_name = entries.begin()->first;
+  const auto& [family, errors] = *sound.models.at("note").groups.begin();
+  auto edited = sound;
+  edited.models.at("note").cases.at(case_name).at("C_D").u = 1e9;
+  CHECK_THAT(refused_as(edited), Contains(case_name + " C_D u 1e+09 in the baseline"));
+  edited.models.at("note").cases.at(case_name).at("C_D").u = 1.00001 * entries.at(case_name).at("C_D").u;
+  CHECK_THAT(refused_as(edited), Contains(case_name + " C_D u"));
+  edited = sound;
+  edited.case_budget = 1e9;
+  CHECK_THAT(refused_as(edited), Contains("a case: budget 1e+09, above 0 and at most 0.01 needed"));
+  for (const double budget : {1e9, 0.0051, 0.0, -0.005}) {
+    edited = sound;
+    edited.models.at("note").groups.at(family).at("C_D").budget = budget;
+    CHECK_THAT(refused_as(edited), Contains(family + " C_D budget") && Contains("at most 0.005"));
+  }
+  edited = sound;
+  edited.models.at("note").groups.at(family).at("C_D").rms = 1e9;
+  CHECK_THAT(refused_as(edited), Contains(family + " C_D rms error 1e+09 in the baseline"));
+  edited.models.at("note").groups.at(family).erase("C_D");
+  CHECK_THAT(refused_as(edited), Contains(family + " C_D has no rms error"));
+  // A smaller budget is a stricter gate.
+  edited = sound;
+  edited.case_budget = 0.002;
+  edited.models.at("note").groups.at(family).at("C_D").budget = 0.001;
+  CHECK(compare::run_gate(edited, records).passed());
+}
+
+TEST_CASE("accepting keeps a stricter budget and puts a wider one right, and the difference shows it", "[compare][gate][regression]") {
+  const auto records = sample::quick_tier();
+  auto previous = compare::make_baseline(records, "test");
+  auto& group = previous.models.at("note").groups.begin()->second.at("C_D");
+  previous.case_budget = 1e9;
+  group.budget = 0.001;
+  const auto next = compare::make_baseline(records, "again", previous);
+  CHECK(next.case_budget == compare::standing_case_budget);
+  CHECK(next.models.at("note").groups.begin()->second.at("C_D").budget == 0.001);
+  CHECK(compare::run_gate(next, records).passed());
+  REQUIRE(compare::differences(previous, next).size() == 1);
+  CHECK_THAT(compare::differences(previous, next)[0], Contains("budget of a case: 1e+09 -> 0.01"));
+}
+
 TEST_CASE("a dropped or diverged case leaves the comparison incomplete", "[compare][gate][regression]") {
   const auto records = sample::quick_tier();
   const auto baseline = compare::make_baseline(records, "test");
@@ -177,6 +230,10 @@ TEST_CASE("differences between baselines name case, channel and both numbers", "
   for (const auto& line : lines) text += line + "\n";
   CHECK_THAT(text, Contains("- case " + records.back().name));
   CHECK_THAT(text, Contains(records[0].name + " C_D: CFD"));
+  auto without_channel = compare::make_baseline(records, "b");
+  without_channel.models.at("note").cases.at(records[0].name).erase("C_m");
+  CHECK(compare::differences(compare::make_baseline(records, "a"), without_channel) ==
+        std::vector<std::string>{"- note " + records[0].name + " C_m"});
 }
 
 TEST_CASE("a missing or broken baseline is an error that says what to do, and nothing is created", "[compare][gate][hard]") {

@@ -375,3 +375,40 @@ TEST_CASE("leftovers of a killed writer are not read", "[compare][store][hard]")
   CHECK(compare::read_runs(folder / "").size() == 1);
   CHECK(compare::read_runs(folder / "no such folder").empty());
 }
+
+TEST_CASE("a body of triangles comes back from the store whole, each mesh kept once", "[compare][store]") {
+  const sample::Folder folder;
+  const auto tent = [](double height) {
+    return dragcore::mesh_body(
+        "tent", {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.1, 0.2, height}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}}, 0.7, 1.3);
+  };
+  std::vector<CaseRecord> records = {sample::record("tent_incidence-000", tent(1.0), {}),
+                                     sample::record("tent_incidence-030", tent(1.0), {.incidence = 0.5}),
+                                     sample::record("tent_yaw-010", tent(2.0), {.yaw = 0.2}), distinct_record()};
+  compare::Reference reference = compare::merged({}, records);
+  compare::write_reference(folder / "reference.h5", reference, "abc");
+  const compare::Reference again = compare::read_reference(folder / "reference.h5");
+  REQUIRE(again.cases.size() == 4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    CHECK(dragcore::kind(again.cases[i].shape) == dragcore::kind(reference.cases[i].shape));
+    // The prediction needs nothing but the file.
+    const auto before = compare::predict(reference.cases[i], {}).total(), after = compare::predict(again.cases[i], {}).total();
+    CHECK(before.force.isApprox(after.force, 1e-10));  // poses are stored in degrees, rounded to 1e-9
+    CHECK((before.torque - after.torque).norm() < 1e-10 * before.force.norm());
+  }
+  const auto& body = std::get<dragcore::MeshBody>(again.cases[1].shape);
+  CHECK(body.mesh->vertices == std::get<dragcore::MeshBody>(reference.cases[1].shape).mesh->vertices);
+  CHECK(body.measured.reference_area == 0.7);
+  CHECK(body.measured.reference_length == 1.3);
+  // The same name, another mesh: told apart by its triangles.
+  CHECK(again.cases[2].surface_checksum != again.cases[3].surface_checksum);
+  {
+    const std::scoped_lock lock(compare::hdf5::library_mutex());
+    const auto file = compare::hdf5::open_file(folder / "reference.h5", "dragval reference", 1);
+    CHECK(compare::hdf5::members(compare::hdf5::open_group(file, "meshes")).size() == 2);
+  }
+  CHECK_FALSE(compare::write_reference(folder / "reference.h5", again, "def"));  // the same rows
+
+  compare::write_run(folder / "run.h5", reference.cases[1]);
+  CHECK(dragcore::parameters(compare::read_run(folder / "run.h5").shape) == dragcore::parameters(reference.cases[1].shape));
+}

@@ -87,7 +87,7 @@ TEST_CASE("E4: the tangential velocity needs the normal after the dot product", 
   const Eigen::Matrix3d turn = Pose{.incidence = 0.4, .yaw = 0.7, .roll = -0.3}.rotation();
   const Surface sheet(transformed(triangulate(Plate{1.0, 1.0, 0.0}, 1), turn, Vector3d::Zero()), Surface::Sides::two);
   const Vector3d v(1, 2, 3), n = sheet.patches[0].normal;
-  for (const Vector3d& shift : {tilt_pillow_shift(sheet.patches[0], v, 0.8), patch_pillow_shift(sheet.patches[0], v, 0.8)}) {
+  for (const Vector3d& shift : {tilt_pillow_shift(n, sheet.patches[0].second_moment, v, 0.8), patch_pillow_shift(sheet.patches[0], v, 0.8)}) {
     CHECK(shift.norm() > 0.01);
     CHECK_THAT(shift.dot(n), WithinAbs(0.0, 1e-15));
     CHECK(shift.dot(v) < 0.0);

@@ -145,7 +145,7 @@ TEST_CASE("two skins at one place are a body without volume, whatever the roundi
   const TriangleMesh box = triangulate(Box{}, 1);
   TriangleMesh inside_out = box;
   for (Vector3i& t : inside_out.triangles) std::swap(t[0], t[1]);
-  CHECK_THROWS_WITH(Surface(inside_out), Catch::Contains("inside out"));
+  CHECK_THROWS_WITH(Surface(inside_out, Surface::Sides::one), Catch::Contains("inside out"));
   const Motion motion{.wind = {1.0, 0.4, 0.2}};
   CHECK(distance(wrench(sheet(inside_out), motion, {}, {}).total(), wrench(sheet(box), motion, {}, {}).total()) < 1e-14);
   // A closed needle all of whose triangles are too thin to have a normal.

@@ -99,7 +99,8 @@ TEST_CASE("laws are non-negative, so that they are passive", "[law][limit]") {
     }
   CHECK(evaluate(note_law().windward, 0.0) == 0.0);
   CHECK(named_law("consistent").windward == consistent_law().windward);
-  CHECK_THROWS_WITH(named_law("newton"), Catch::Contains("unknown law 'newton'") && Catch::Contains("note, consistent"));
+  CHECK_THROWS_WITH(named_law("newton"), Catch::Contains("unknown law 'newton'; known: note, consistent"));
+  CHECK_THROWS_WITH(named_law("consistant"), Catch::Contains("did you mean consistent? Known: note, consistent"));
 }
 
 namespace {

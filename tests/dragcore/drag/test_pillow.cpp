@@ -117,7 +117,7 @@ TEST_CASE("the tilt form moves the centre of pressure of a rectangle by factor t
   const Surface sheet(triangulate(Plate{2.0, 0.5, 0.0}, 3), Surface::Sides::two);
   for (int incidence = 5; incidence <= 90; incidence += 5) {
     const double angle = incidence * pi / 180;
-    const Vector3d shift = tilt_pillow_shift(sheet.patches.at(0), Vector3d(std::cos(angle), 0, std::sin(angle)), 0.8);
+    const Vector3d shift = tilt_pillow_shift(sheet.patches.at(0).normal, sheet.patches.at(0).second_moment, Vector3d(std::cos(angle), 0, std::sin(angle)), 0.8);
     CHECK_THAT(shift.x(), WithinAbs(-0.8 * std::cos(angle) * 2.0 / 6.0, 1e-14));
   }
 }

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "dragcore/src/ellipsoid/ellipsoid_integrals.hpp"
+#include "dragcore/src/support/ellipsoid_integrals.hpp"
 #include "tests/support/zoo.hpp"
 
 using namespace dragcore;

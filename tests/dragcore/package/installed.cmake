@@ -8,11 +8,12 @@ endfunction()
 
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD}/dragcore --prefix ${WORK}/prefix)
-# The library alone must not ask for what the file readers need. The sources are the installed ones, too.
-set(settings -DCMAKE_BUILD_TYPE=Release -DCMAKE_DISABLE_FIND_PACKAGE_HDF5=ON -DCMAKE_PREFIX_PATH=${WORK}/prefix)
+# The library alone must not ask for what the file readers and the rays need. The sources are the installed ones, too.
+set(settings -DCMAKE_BUILD_TYPE=Release -DCMAKE_DISABLE_FIND_PACKAGE_HDF5=ON -DCMAKE_DISABLE_FIND_PACKAGE_embree=ON
+  -DCMAKE_PREFIX_PATH=${WORK}/prefix)
 run(${CMAKE_COMMAND} -S ${WORK}/prefix/share/dragcore/examples -B ${WORK}/build ${settings} "-DCMAKE_CXX_FLAGS=${FLAGS}")
 run(${CMAKE_COMMAND} --build ${WORK}/build)
-foreach(program first_force falling_paper falling_paper_c)
+foreach(program first_force minimal_loop falling_paper falling_paper_c left_handed_engine)
   run(${WORK}/build/${program})
 endforeach()
 

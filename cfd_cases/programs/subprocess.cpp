@@ -1,4 +1,4 @@
-#include "cfd_cases/campaign/subprocess.hpp"
+#include "cfd_cases/programs/subprocess.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

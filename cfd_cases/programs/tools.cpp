@@ -1,4 +1,4 @@
-#include "cfd_cases/campaign/tools.hpp"
+#include "cfd_cases/programs/tools.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -7,7 +7,7 @@
 #include <regex>
 #include <thread>
 
-#include "cfd_cases/campaign/subprocess.hpp"
+#include "cfd_cases/programs/subprocess.hpp"
 
 namespace cfd_cases {
 
@@ -38,7 +38,8 @@ std::string first_match(const std::string& text, const char* pattern) {
 Check check_foam_programs() {
   Check check{.name = "OpenFOAM programs"};
   std::string missing;
-  for (const char* program : {"gmshToFoam", "polyDualMesh", "renumberMesh", "checkMesh", "simpleFoam", "decomposePar", "reconstructPar"})
+  for (const char* program : {"gmshToFoam", "polyDualMesh", "surfaceFeatureExtract", "blockMesh", "snappyHexMesh", "renumberMesh",
+                              "checkMesh", "simpleFoam", "decomposePar", "reconstructPar"})
     if (find_program(program).empty()) missing += std::string(missing.empty() ? "" : ", ") + program;
   check.good = missing.empty();
   check.found = check.good ? find_program("simpleFoam").parent_path().string() : "not on PATH: " + missing;

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "cfd_cases/campaign/tools.hpp"
 #include "cfd_cases/flow_case/case_key.hpp"
+#include "cfd_cases/programs/tools.hpp"
 
 namespace cfd_cases {
 
@@ -47,7 +47,8 @@ struct Mesh {
   std::vector<case_record::Attempt> attempts;          ///< sizes that checkMesh refused
 };
 
-/// Takes the mesh from the cache, or makes it in `work` and puts it there: cfd_mesh, gmshToFoam, polyDualMesh, renumberMesh, checkMesh. Of
+/// Takes the mesh from the cache, or makes it in `work` and puts it there: cfd_mesh, gmshToFoam, polyDualMesh, renumberMesh, checkMesh, or
+/// snappyHexMesh for a body given by triangles. Of
 /// two callers who need the same mesh the second waits for the first.
 /// @param on_stage  told "mesh" and "convert" when they begin
 /// @throws CaseFailure when a tool fails, checkMesh refuses all sizes, cubes do not fit the body, or area and volume of the wall are not
@@ -55,9 +56,6 @@ struct Mesh {
 /// @throws Interrupted when `cancel` becomes true
 Mesh ensure_mesh(const CaseSpec& spec, const CaseIdentity& identity, const Tools& tools, const Cache& cache,
                  const std::filesystem::path& work, const std::atomic<bool>& cancel, const std::function<void(const char*)>& on_stage);
-
-/// The largest relative error of area and volume that a correct mesh may have: rounding for flat sides, faceting for round ones.
-double allowed_surface_error(const dragcore::Shape& shape, const MeshRecipe& recipe);
 
 /// Writes files by their path in `folder`, making folders as needed.
 void write_files(const std::filesystem::path& folder, const std::map<std::string, std::string>& files);

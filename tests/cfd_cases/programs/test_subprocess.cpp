@@ -4,7 +4,7 @@
 #include <fstream>
 #include <thread>
 
-#include "cfd_cases/campaign/subprocess.hpp"
+#include "cfd_cases/programs/subprocess.hpp"
 #include "tests/cfd_cases/temporary_folder.hpp"
 
 using namespace cfd_cases;

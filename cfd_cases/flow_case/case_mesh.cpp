@@ -1,4 +1,4 @@
-#include "cfd_cases/mesh/mesh.hpp"
+#include "cfd_cases/flow_case/case_mesh.hpp"
 
 #include <fmt/format.h>
 
@@ -11,9 +11,10 @@
 #include <sstream>
 #include <thread>
 
-#include "cfd_cases/campaign/subprocess.hpp"
 #include "cfd_cases/flow_case/dictionaries.hpp"
 #include "cfd_cases/mesh/poly_mesh.hpp"
+#include "cfd_cases/mesh/snappy.hpp"
+#include "cfd_cases/programs/subprocess.hpp"
 
 namespace cfd_cases {
 
@@ -39,16 +40,16 @@ struct Stages {
   std::map<std::string, StageCost>& cost;
 
   /// @throws CaseFailure with the log's excerpt, Interrupted
-  fs::path run(const char* stage, std::vector<std::string> argv) {
+  /// @param timeout_s  a mesh of 100,000 cells takes half a minute; nothing here should take 20
+  fs::path run(const char* stage, std::vector<std::string> argv, double timeout_s = 1200.0) {
     const std::string program = fs::path(argv[0]).filename();
     const fs::path log = folder / ("log." + program);
-    // A mesh of 100,000 cells takes half a minute; nothing here should take 20.
-    const Outcome outcome =
-        run_command({.argv = std::move(argv), .folder = folder, .log = log, .timeout_s = 1200.0, .environment = tools.environment}, cancel);
+    const Outcome outcome = run_command(
+        {.argv = std::move(argv), .folder = folder, .log = log, .timeout_s = timeout_s, .environment = tools.environment}, cancel);
     cost[stage].cpu_s += outcome.cpu_s;
     cost[stage].wall_s += outcome.wall_s;
     if (outcome.cancelled) throw Interrupted();
-    if (outcome.timed_out) throw CaseFailure(program + " did not end within 1200 s");
+    if (outcome.timed_out) throw CaseFailure(fmt::format("{} did not end within {:.0f} s", program, timeout_s));
     if (outcome.exit_code != 0) throw CaseFailure(fmt::format("{} ended with code {}: {}", program, outcome.exit_code, log_excerpt(log)));
     return log;
   }
@@ -93,10 +94,64 @@ void refine_octree(const CaseSpec& spec, const CaseIdentity& identity, Stages& s
   throw CaseFailure(error.what());
 }
 
+void measure(const PolyMesh& made, Symmetry symmetry, Mesh& mesh) {
+  const PatchExtent extent = patch_extent(made, "body");
+  const double halves = symmetry == Symmetry::none ? 1.0 : 2.0;
+  mesh.cells = made.cells();
+  mesh.surface_area = halves * extent.area;
+  mesh.surface_volume = halves * extent.volume;
+}
+
+/// What checkMesh found wrong, empty when it is fine; fills the quality.
+std::string check_mesh(Stages& stages, Mesh& mesh) {
+  const std::string log = contents(stages.run("convert", {"checkMesh"}));
+  mesh.quality = read_quality(log);
+  if (log.find("Mesh OK") != std::string::npos) return {};
+  std::string faults;
+  std::istringstream lines(log);
+  for (std::string line; std::getline(lines, line);)
+    if (line.find("***") != std::string::npos) faults += (faults.empty() ? "" : "; ") + line.substr(line.find("***") + 3);
+  return faults.empty() ? "checkMesh did not print Mesh OK" : faults;
+}
+
+/// A body given by triangles, in an empty folder. Returns what is wrong with the mesh, empty when it is fine.
+std::string make_snappy_mesh(const dragcore::MeshBody& body, const CaseSpec& spec, MeshRecipe recipe, Symmetry symmetry, Stages stages,
+                             Mesh& mesh, const std::function<void(const char*)>& on_stage) try {
+  auto files = dictionaries(spec, symmetry, Rung::standard);
+  std::erase_if(files, [](const auto& file) { return file.first.starts_with("0/"); });  // no patches for them yet
+  files.merge(snappy_files(body, spec.mesh_pose().radians(), recipe, symmetry));
+  write_files(stages.folder, files);
+  on_stage("mesh");
+  stages.run("mesh", {"surfaceFeatureExtract"});
+  stages.run("mesh", {"blockMesh"});
+  // 30,000 cells take 5 s; one that takes twelve times as long will not end.
+  const double cells = snappy_cells(body, spec.mesh_pose().radians(), recipe, symmetry);
+  stages.run("mesh", {"snappyHexMesh", "-overwrite"}, 60.0 * std::max(1.0, cells / 30000.0));
+  on_stage("convert");
+  const fs::path poly_mesh = stages.folder / "constant/polyMesh";
+  for (const char* file : {"cellLevel", "pointLevel", "level0Edge", "surfaceIndex", "cellZones", "faceZones", "pointZones", "sets"})
+    fs::remove_all(poly_mesh / file);  // renumberMesh would have to carry them along
+  stages.run("convert", {"renumberMesh", "-overwrite"});
+  name_patch_types(poly_mesh / "boundary");
+  const PolyMesh made = read_poly_mesh(poly_mesh);
+  if (const std::string fault = snappy_fault(body, recipe, symmetry, made); !fault.empty()) return fault;
+  measure(made, symmetry, mesh);
+  return check_mesh(stages, mesh);
+} catch (const CaseFailure&) {
+  throw;
+} catch (const std::runtime_error& error) {
+  throw CaseFailure(error.what());
+}
+
 /// One try at the mesh in an empty folder. Returns what checkMesh found wrong, empty when it is fine.
 std::string make_mesh(const CaseSpec& spec, const CaseIdentity& identity, double size_factor, Stages stages, Mesh& mesh,
                       const std::function<void(const char*)>& on_stage) {
   const fs::path& folder = stages.folder;
+  if (const auto* body = std::get_if<dragcore::MeshBody>(&spec.shape)) {
+    MeshRecipe recipe = identity.recipe;
+    recipe.refinement *= size_factor;
+    return make_snappy_mesh(*body, spec, recipe, identity.symmetry, stages, mesh, on_stage);
+  }
   auto request = nlohmann::json::parse(identity.mesh_description);
   request["recipe"]["refinement"] = identity.recipe.refinement * size_factor;
   auto files = dictionaries(spec, identity.symmetry, Rung::standard);
@@ -120,25 +175,15 @@ std::string make_mesh(const CaseSpec& spec, const CaseIdentity& identity, double
   try {
     PolyMesh dual = read_poly_mesh(poly_mesh);
     if (!spec.octree() && lift_edge_cells(dual, "body") > 0) write_points(poly_mesh, dual.points);
-    const PatchExtent extent = patch_extent(dual, "body");
-    const double halves = identity.symmetry == Symmetry::none ? 1.0 : 2.0;
-    mesh.cells = dual.cells();
-    mesh.surface_area = halves * extent.area;
-    mesh.surface_volume = halves * extent.volume;
+    measure(dual, identity.symmetry, mesh);
   } catch (const std::runtime_error& error) {
     throw CaseFailure(error.what());
   }
-  const std::string log = contents(stages.run("convert", {"checkMesh"}));
-  mesh.quality = read_quality(log);
-  if (log.find("Mesh OK") != std::string::npos) return {};
-  std::string faults;
-  std::istringstream lines(log);
-  for (std::string line; std::getline(lines, line);)
-    if (line.find("***") != std::string::npos) faults += (faults.empty() ? "" : "; ") + line.substr(line.find("***") + 3);
-  return faults.empty() ? "checkMesh did not print Mesh OK" : faults;
+  return check_mesh(stages, mesh);
 }
 
 void require_shape(const CaseSpec& spec, const MeshRecipe& recipe, const Mesh& mesh) {
+  if (std::holds_alternative<dragcore::MeshBody>(spec.shape)) return;  // snappy_fault() has seen to it
   const auto exact = dragcore::properties(spec.shape);
   const double allowed = allowed_surface_error(spec.shape, recipe);
   for (const auto& [what, found, needed] :
@@ -200,7 +245,7 @@ Mesh ensure_mesh(const CaseSpec& spec, const CaseIdentity& identity, const Tools
     mesh.attempts.push_back({fmt::format("mesh, sizes x {}", factor), case_record::Status::failed, faults});
   }
   if (!faults.empty())
-    throw CaseFailure(fmt::format("checkMesh refused the mesh at {} sizes; the last time: {}", std::size(kSizeFactors), faults));
+    throw CaseFailure(fmt::format("the mesh was refused at {} sizes; the last time: {}", std::size(kSizeFactors), faults));
   require_shape(spec, identity.recipe, mesh);
 
   const fs::path complete = work / "mesh_complete";
@@ -214,15 +259,6 @@ Mesh ensure_mesh(const CaseSpec& spec, const CaseIdentity& identity, const Tools
   fs::remove_all(folder);
   mesh.poly_mesh = target / "polyMesh";
   return mesh;
-}
-
-double allowed_surface_error(const dragcore::Shape& shape, const MeshRecipe& recipe) {
-  // Flat sides are exact but for the 12 digits of the file and OpenCASCADE's tolerance of 1e-7.
-  if (std::holds_alternative<dragcore::Plate>(shape) || std::holds_alternative<dragcore::Box>(shape)) return 1e-5;
-  // Round sides: a facet of size h lies up to h^2 / 8R inside a circle of radius R = 1/2 scale, and the dual cuts its corners once more;
-  // area and volume of a sphere then lose 0.4 and 0.6 (h/R)^2. Twice as much leaves room for the point of a cone, which the dual cuts off.
-  const double h = recipe.body_size * recipe.refinement / 0.5;
-  return 1.2 * h * h;
 }
 
 std::string contents(const fs::path& file) {
