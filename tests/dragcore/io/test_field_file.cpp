@@ -1,5 +1,4 @@
 #include <hdf5.h>
-#include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -11,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/support/folder.hpp"
+
 /// HDF5 1.10.8 loses 328 bytes whenever an object's checksum is wrong (its own h5dump too): not ours to report. Read by the leak sanitizer
 /// alone.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
@@ -18,19 +19,9 @@ extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
 using namespace dragcore;
 using Catch::Contains;
 using Eigen::Vector3d;
+using support::Folder;
 
 namespace {
-
-/// A folder of its own for each test, gone with it.
-struct Folder {
-  std::filesystem::path path = std::filesystem::temp_directory_path() / ("dragcore_field_file_" + std::to_string(::getpid()));
-  Folder() { std::filesystem::create_directories(path); }
-  ~Folder() { std::filesystem::remove_all(path); }
-  std::filesystem::path write(const std::string& name, const std::string& contents) const {
-    std::ofstream(path / name, std::ios::binary) << contents;
-    return path / name;
-  }
-};
 
 std::string contents(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
