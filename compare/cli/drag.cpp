@@ -165,9 +165,6 @@ Result evaluate(const DragOptions& options, const Body& body, bool posed) {
   return result;
 }
 
-/// @param scale  of the quantity: what is below 1e-12 of it is rounding, and shown as 0
-std::string text(double value, double scale = 1.0) { return std::abs(value) <= 1e-12 * scale ? "0" : fmt::format("{:.4g}", value); }
-
 std::string coefficient(const Row& row, Eigen::Index k) {
   if (!row.coefficients) return "";
   const double value = (*row.coefficients)[k];
