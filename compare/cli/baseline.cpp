@@ -12,7 +12,7 @@
 namespace cli {
 namespace {
 
-struct Options {
+struct BaselineOptions {
   SourceOptions source;
   std::string baseline = "results/baselines/quick.json", reason;
   bool json = false;
@@ -30,7 +30,7 @@ void print_differences(const std::vector<std::string>& lines, bool json) {
 }  // namespace
 
 void add_baseline(CLI::App& app, Context&) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BaselineOptions>();
   CLI::App* command = app.add_subcommand("baseline", "Show or accept a change of the baseline that the gate holds errors against");
   command->require_subcommand(1);
   command->footer("Example: dragval baseline accept --matrix quick --reason \"base suction added to the law\"");

@@ -26,6 +26,8 @@ Eigen::Vector3d extents_of(const dragcore::TriangleMesh& mesh) {
 
 Eigen::Vector3d Body::extents() const { return extents_of(mesh); }
 
+std::string text(double value, double scale) { return std::abs(value) <= 1e-12 * scale ? "0" : fmt::format("{:.4g}", value); }
+
 double BodyOptions::unit_m() const {
   static const std::map<std::string, double> units = {{"mm", 1e-3}, {"cm", 1e-2}, {"m", 1.0}, {"in", 0.0254}, {"ft", 0.3048}};
   if (unit.empty()) return 1.0;
@@ -46,15 +48,23 @@ void add_body_options(CLI::App& command, BodyOptions& options) {
 Body load_body(const BodyOptions& options) {
   dragcore::MeshFile file = dragcore::read_mesh_file(options.file, options.unit_m());
   const dragcore::TriangleMesh& mesh = file.mesh;
-  const dragcore::MeshProperties properties = dragcore::inspect(mesh);
+  const auto triangles = static_cast<int>(mesh.triangles.size());
   try {
     if (options.sheet) {
       dragcore::Surface surface(mesh, dragcore::Surface::Sides::two);
-      return {.mesh = mesh, .surface = std::move(surface), .properties = properties, .notes = std::move(file.notes)};
+      return {.mesh = mesh,
+              .surface = std::move(surface),
+              .properties = inspect(mesh),
+              .triangles_of_file = triangles,
+              .notes = std::move(file.notes)};
     }
     const dragcore::Preparation as_closed = dragcore::prepare(mesh);
     const dragcore::Preparation prepared = dragcore::expose(as_closed);
-    Body body{.mesh = prepared.mesh, .surface = dragcore::Surface(prepared), .properties = properties, .notes = std::move(file.notes)};
+    Body body{.mesh = prepared.mesh,
+              .surface = dragcore::Surface(prepared),
+              .properties = inspect(prepared.mesh),
+              .triangles_of_file = triangles,
+              .notes = std::move(file.notes)};
     for (const dragcore::Finding& finding : prepared.report) body.findings.push_back(to_string(finding.kind) + ": " + finding.text);
     for (const dragcore::WindwardRatio& view : dragcore::windward_over_silhouette(as_closed)) {
       if (view.silhouette > 0.0) body.windward_ratio = std::max(body.windward_ratio, view.summed / view.silhouette);
@@ -65,7 +75,7 @@ Body load_body(const BodyOptions& options) {
   } catch (const std::invalid_argument& fault) {
     const Eigen::Vector3d size = extents_of(mesh);
     throw EnvironmentError(fmt::format("{}: {}\nThe file holds {}; its extents are {:.4g} x {:.4g} x {:.4g} m.", options.file, fault.what(),
-                                       describe(properties), size.x(), size.y(), size.z()));
+                                       describe(inspect(mesh)), size.x(), size.y(), size.z()));
   }
 }
 

@@ -18,6 +18,7 @@ struct Body {
   dragcore::TriangleMesh mesh;  ///< as the forces see it [m]
   dragcore::Surface surface;
   dragcore::MeshProperties properties;  ///< of `mesh`
+  int triangles_of_file = 0;
   std::vector<std::string> notes;       ///< what the reader of the file has to say, a sentence each
   std::vector<std::string> findings;    ///< what was found and changed between file and surface, a sentence each
   /// Windward area summed over the triangles, before exposure, over that of the silhouette: the largest of six directions; 1 of a convex body.
@@ -39,6 +40,9 @@ void add_body_options(CLI::App& command, BodyOptions& options);
 
 /// @throws UsageError, std::runtime_error  unit, file or mesh not as needed: the message names the file, and for a mesh its extents
 Body load_body(const BodyOptions& options);
+
+/// Four digits. @param scale  of the quantity: what is below 1e-12 of it is rounding, and shown as 0
+std::string text(double value, double scale = 1.0);
 
 /// "Is the file in millimetres?", where nobody gave the unit and a body of that many metres is unlikely; else empty.
 std::string unit_question(const BodyOptions& options, const Body& body);

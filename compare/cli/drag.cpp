@@ -29,7 +29,7 @@ using nlohmann::json;
 constexpr double deg = std::numbers::pi / 180.0;
 constexpr std::array angle_names = {"incidence", "yaw", "roll"};
 
-struct Options {
+struct DragOptions {
   BodyOptions body;
   ModelOptions model;
   std::vector<double> wind, spin, centre;
@@ -84,7 +84,7 @@ std::vector<double> angles_from(const std::string& range) {
 }
 
 /// The poses and winds asked for, without what the air does.
-std::vector<Row> winds(const Options& options, const Vector3d& centre, bool posed) {
+std::vector<Row> winds(const DragOptions& options, const Vector3d& centre, bool posed) {
   Row row;
   row.motion.reference_point = centre;
   if (!options.spin.empty()) row.motion.angular_velocity = vector_from(options.spin);
@@ -116,7 +116,7 @@ std::vector<Row> winds(const Options& options, const Vector3d& centre, bool pose
   return rows;
 }
 
-void add_coefficients(Result& result, const Options& options, const Body& body) {
+void add_coefficients(Result& result, const DragOptions& options, const Body& body) {
   if (options.area) {
     result.area = *options.area, result.area_is = "as given";
   } else {
@@ -143,7 +143,7 @@ void add_coefficients(Result& result, const Options& options, const Body& body) 
   }
 }
 
-Result evaluate(const Options& options, const Body& body, bool posed) {
+Result evaluate(const DragOptions& options, const Body& body, bool posed) {
   Result result;
   result.swept = options.sweep.empty() ? "" : options.sweep[0];
   result.centre = options.centre.empty() ? body.properties.centroid : vector_from(options.centre);
@@ -164,9 +164,6 @@ Result evaluate(const Options& options, const Body& body, bool posed) {
   add_coefficients(result, options, body);
   return result;
 }
-
-/// @param scale  of the quantity: what is below 1e-12 of it is rounding, and shown as 0
-std::string text(double value, double scale = 1.0) { return std::abs(value) <= 1e-12 * scale ? "0" : fmt::format("{:.4g}", value); }
 
 std::string coefficient(const Row& row, Eigen::Index k) {
   if (!row.coefficients) return "";
@@ -193,7 +190,7 @@ std::string wind_text(const Result& result) {
   return words;
 }
 
-std::string table(const Result& result, const Options& options, const Body& body, compare::Format format) {
+std::string table(const Result& result, const DragOptions& options, const Body& body, compare::Format format) {
   const bool markdown = format == compare::Format::markdown;
   const auto grid_text = [&](const compare::TextGrid& grid) { return markdown ? compare::markdown(grid) : compare::aligned(grid, false); };
   const auto line = [&](const std::string& words) { return (markdown ? "* " : "") + words + "\n"; };
@@ -277,7 +274,7 @@ std::string csv(const Result& result) {
   return page;
 }
 
-json to_json(const Result& result, const Options& options, const Body& body) {
+json to_json(const Result& result, const DragOptions& options, const Body& body) {
   const auto numbers = [](const Vector3d& v) { return json{v.x(), v.y(), v.z()}; };
   json rows = json::array();
   for (const Row& row : result.rows) {
@@ -315,7 +312,7 @@ json to_json(const Result& result, const Options& options, const Body& body) {
 }  // namespace
 
 void add_drag(CLI::App& app, Context&) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DragOptions>();
   CLI::App* command = app.add_subcommand("drag", "Force, torque and coefficients of the air on the body in an STL or OBJ file");
   command->footer(
       "The wind is that of the air relative to the body, in the body frame. Poses turn the body in a wind along +x: docs/conventions.md.\n"

@@ -16,8 +16,9 @@ namespace {
 nlohmann::json to_json(const BodyOptions& options, const Body& body, const dragcore::Model& advised) {
   const auto vector = [](const Eigen::Vector3d& v) { return nlohmann::json{v.x(), v.y(), v.z()}; };
   const dragcore::MeshProperties& p = body.properties;
-  nlohmann::json text = {{"file", options.file},
+  nlohmann::json result = {{"file", options.file},
                          {"unit_m", options.unit_m()},
+                         {"triangles_of_file", body.triangles_of_file},
                          {"triangles", p.triangles},
                          {"extents_m", vector(body.extents())},
                          {"class", to_string(body.surface.body_class)},
@@ -39,16 +40,17 @@ nlohmann::json to_json(const BodyOptions& options, const Body& body, const dragc
                          {"notes", body.notes},
                          {"findings", body.findings}};
   const std::string question = unit_question(options, body);
-  text["question"] = question.empty() ? nlohmann::json(nullptr) : nlohmann::json(question);
-  return text;
+  result["question"] = question.empty() ? nlohmann::json(nullptr) : nlohmann::json(question);
+  return result;
 }
 
 void print(const BodyOptions& options, const Body& body, const dragcore::Model& advised) {
   const auto line = [](const char* name, const std::string& text) { fmt::print("  {:<9} {}\n", name, text); };
   const Eigen::Vector3d size = body.extents(), at = body.properties.centroid;
   fmt::print("{}: {}\n", options.file, describe(body.properties));
+  if (body.triangles_of_file != body.properties.triangles) line("file", fmt::format("{} triangles before preparation", body.triangles_of_file));
   line("extents", fmt::format("{:.4g} x {:.4g} x {:.4g} m", size.x(), size.y(), size.z()));
-  line("centroid", fmt::format("{:.4g} {:.4g} {:.4g} m", at.x(), at.y(), at.z()));
+  line("centroid", fmt::format("{} {} {} m", text(at.x(), size.maxCoeff()), text(at.y(), size.maxCoeff()), text(at.z(), size.maxCoeff())));
   const char* sides = body.surface.two_sided()                                    ? "both sides"
                       : body.surface.sides == dragcore::Surface::Sides::automatic ? "both sides of sheets, the outer side of bodies"
                                                                                   : "the outer side";

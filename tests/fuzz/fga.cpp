@@ -18,8 +18,15 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const Grid back = read_fga(file).grid();
     fuzz::check(back.points == grid.points && back.lower == grid.lower && back.upper == grid.upper && back.values == grid.values,
                 "a field that was read can be written and read again");
+    write_fga(file, field, {.order = FgaOrder::z_fastest});
+    fuzz::check(read_fga(file, {.order = FgaOrder::z_fastest}).grid().values == grid.values, "the order of the axes comes back");
     scratch.holding(data, size);
-    read_fga(file, {.length_m = 0.01, .speed_m_s = 0.01, .points = FgaPoints::cell_centres, .outside = Outside::clamp});
+    read_fga(file, {.length_m = 0.01,
+                    .speed_m_s = 0.01,
+                    .points = FgaPoints::cell_centres,
+                    .order = FgaOrder::z_fastest,
+                    .outside = Outside::clamp,
+                    .thickness_m = 0.5});
   } catch (const std::runtime_error& fault) {
     fuzz::check(std::strlen(fault.what()) < 1000, "a message is short");
   }

@@ -6,7 +6,9 @@
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const fuzz::Scratch scratch(".obj");
   try {
-    fuzz::evaluate(dragcore::read_mesh(scratch.holding(data, size)));
+    const dragcore::MeshFile file = dragcore::read_mesh_file(scratch.holding(data, size));
+    for (const std::string& note : file.notes) fuzz::check(note.size() < 1000, "a note is short");
+    fuzz::evaluate(file.mesh);
   } catch (const std::runtime_error& fault) {
     fuzz::check(std::strlen(fault.what()) < 1000, "a message is short");
   }

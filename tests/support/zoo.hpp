@@ -51,6 +51,12 @@ class Random {
   std::mt19937 engine_;
 };
 
+/// The same model in double precision: for tests of what the model says, where rounding would blur an identity.
+inline dragcore::Model exactly(dragcore::Model model) {
+  model.precision = dragcore::Precision::full;
+  return model;
+}
+
 inline std::vector<dragcore::Model> models() {
   using namespace dragcore;
   std::vector<Model> list;

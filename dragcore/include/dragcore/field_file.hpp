@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-/// Wind fields in files. Part of dragcore::field_files. HDF5's C library is not safe for threads: read and write HDF5 from one thread at a time.
+/// Wind fields in files. Part of dragcore::field_files. HDF5's C library is not safe for threads: read and write HDF5 from one thread at a
+/// time.
 namespace dragcore {
 
 /// Where an FGA file's vectors lie in its bounds: the outermost on them, as the note samples, or each in the middle of its cell, as texture

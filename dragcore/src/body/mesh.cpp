@@ -52,7 +52,8 @@ std::vector<Hole> holes(const std::vector<BoundaryEdge>& boundary, const std::ve
   std::vector<Hole> by_root(corners.size());
   for (const BoundaryEdge& edge : boundary) {
     Hole& hole = by_root[root(place(edge.low))];
-    const Vector3d from = vertices[static_cast<std::size_t>(edge.low)] - origin, to = vertices[static_cast<std::size_t>(edge.high)] - origin;
+    const Vector3d from = vertices[static_cast<std::size_t>(edge.low)] - origin,
+                   to = vertices[static_cast<std::size_t>(edge.high)] - origin;
     hole.area += 0.5 * edge.times * from.cross(to);
     hole.centre += 0.5 * (from + to);
     ++hole.edges;

@@ -53,8 +53,9 @@ struct Ignored {
   void add(std::size_t line) {
     if (count++ == 0) first_line = line;
   }
-  void note(const std::string& what, std::vector<std::string>& notes) const {
-    if (count > 0) notes.push_back(std::to_string(count) + " " + what + ", the first in line " + std::to_string(first_line));
+  void note(const std::string& what, const std::string& consequence, std::vector<std::string>& notes) const {
+    if (count > 0)
+      notes.push_back(what + ": " + std::to_string(count) + ", the first in line " + std::to_string(first_line) + ", " + consequence);
   }
 };
 
@@ -117,9 +118,9 @@ MeshFile read_obj(std::string_view bytes) {
                                ", but there are " + std::to_string(vertices.size()));
     split_polygon(vertices, face, file.mesh.triangles);
   }
-  weights.note("vertices have a weight w, which only curves know: it is ignored and x, y, z are taken as written", file.notes);
-  short_faces.note("faces of fewer than three corners are left out", file.notes);
-  curved_surfaces.note("curved surfaces ('surf') are left out: export polygons", file.notes);
+  weights.note("vertices with a weight w", "ignored, for it matters to curves alone: x, y, z are taken as written", file.notes);
+  short_faces.note("faces of fewer than three corners", "left out", file.notes);
+  curved_surfaces.note("curved surfaces ('surf')", "left out: export polygons", file.notes);
   return file;
 }
 

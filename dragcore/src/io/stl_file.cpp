@@ -23,12 +23,8 @@ void add(TriangleMesh& mesh, const std::array<Eigen::Vector3d, 3>& corners) {
   mesh.triangles.emplace_back(first, first + 1, first + 2);
 }
 
-/// Text has no control characters but white space; a binary file has zeros in its first triangle at the latest.
-bool is_text(std::string_view bytes) {
-  for (const char c : bytes.substr(0, header_bytes + triangle_bytes))
-    if (const auto byte = static_cast<unsigned char>(c); byte < 0x20 && !is_blank(c)) return false;
-  return true;
-}
+/// Text has no zero bytes; a binary file has some in its count of triangles or its first triangle at the latest.
+bool is_text(std::string_view bytes) { return bytes.substr(0, header_bytes + triangle_bytes).find('\0') == std::string_view::npos; }
 
 std::uint32_t promised_triangles(std::string_view bytes) {
   std::uint32_t count = 0;
@@ -41,10 +37,10 @@ std::uintmax_t promised_bytes(std::string_view bytes) { return header_bytes + tr
 /// Bytes behind the last triangle: some programs fill their files up to whole blocks.
 void note_tail(std::string_view tail, std::uint32_t count, std::vector<std::string>& notes) {
   if (tail.empty()) return;
-  std::string note = std::to_string(tail.size()) + " bytes after the last of its " + std::to_string(count) + " triangles are ignored";
+  std::string note = "bytes after the last of its " + std::to_string(count) + " triangles: " + std::to_string(tail.size()) + ", ignored";
   if (tail.size() % triangle_bytes == 0 && tail.find_first_not_of('\0') != std::string_view::npos)
-    note += "; they could be " + std::to_string(tail.size() / triangle_bytes) +
-            " triangles more: if some are missing, the count in its header is wrong";
+    note += ". They have the size of whole triangles, " + std::to_string(tail.size() / triangle_bytes) +
+            ": if some are missing, the count in its header is wrong";
   notes.push_back(std::move(note));
 }
 
@@ -164,8 +160,8 @@ MeshFile read_ascii(std::string_view text) {
   }
   if (in_solid) wrong({}, "'facet' or 'endsolid'");
   if (solids == 0) fail("is text in which no line begins with 'solid'; it is no STL file");
-  if (solids > 1) file.notes.push_back(std::to_string(solids) + " solids are read as one mesh");
-  if (line_outside > 0) file.notes.push_back("text outside of its solids is ignored, line " + std::to_string(line_outside));
+  if (solids > 1) file.notes.push_back("solids: " + std::to_string(solids) + ", read as one mesh");
+  if (line_outside > 0) file.notes.push_back("text outside of its solids, the first in line " + std::to_string(line_outside) + ", ignored");
   return file;
 }
 

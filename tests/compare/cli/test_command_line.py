@@ -35,6 +35,12 @@ with tempfile.TemporaryDirectory() as folder:
     mesh = json.loads(run("mesh", "box.obj", "--json", code=0).stdout)
     assert mesh["law"] == "closed" and mesh["closed"] and abs(mesh["volume_m3"] - 1 / 6) < 1e-12 and mesh["question"] is None, mesh
     assert mesh["centroid_m"] == [0.25, 0.25, 0.25], mesh  # of a tetrahedron: the mean of its corners
+    # What is printed is what the forces see: an inside-out copy is turned, a face said twice counts once.
+    with open("twice.obj", "w") as twice:
+        twice.write("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n" + "f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n" * 2)
+    mended = json.loads(run("mesh", "twice.obj", "--json", code=0).stdout)
+    assert mended["triangles_of_file"] == 8 and mended["triangles"] == 4 and abs(mended["volume_m3"] - 1 / 6) < 1e-12, mended
+    assert mended["closed"] and mended["centroid_m"] == mesh["centroid_m"] and len(mended["findings"]) == 2, mended
     for unit, metres in {"mm": 0.001, "cm": 0.01, "in": 0.0254, "ft": 0.3048, "m": 1.0, "0.5": 0.5}.items():
         scaled = json.loads(run("mesh", "box.obj", "--unit", unit, "--json", code=0).stdout)
         assert scaled["extents_m"] == [metres] * 3, scaled

@@ -156,6 +156,54 @@ TEST_CASE("a patch with a hole keeps both outlines", "[surface]") {
   CHECK_THAT(surface.patches[0].area, WithinRel(8.0, 1e-14));
 }
 
+TEST_CASE("welding and counting edges give what going through all pairs gives", "[mesh][property]") {
+  // Corners on a coarse lattice meet often: vertices, triangles and edges of every multiplicity. 0 and -0 are one place.
+  zoo::Random random(5);
+  const auto below = [&](int n) { return std::min(n - 1, static_cast<int>(random.uniform(0.0, n))); };
+  for (int round = 0; round < 300; ++round) {
+    TriangleMesh mesh;
+    for (int i = 3 + below(25); i > 0; --i) mesh.vertices.emplace_back(below(3) - 1, -0.3 * below(2), 1e-20 * below(2));
+    const auto count = static_cast<int>(mesh.vertices.size());
+    for (int i = 1 + below(40); i > 0; --i) mesh.triangles.emplace_back(below(count), below(count), below(count));
+
+    std::vector<Vector3d> places;
+    std::vector<Eigen::Vector3i> triangles = mesh.triangles;
+    std::vector<int> number;
+    for (const Vector3d& v : mesh.vertices) {
+      number.push_back(static_cast<int>(std::find(places.begin(), places.end(), v) - places.begin()));
+      if (number.back() == static_cast<int>(places.size())) places.push_back(v);
+    }
+    for (auto& t : triangles)
+      for (int& i : t) i = number[static_cast<std::size_t>(i)];
+    const TriangleMesh joined = welded(mesh);
+    REQUIRE(joined.vertices == places);
+    REQUIRE(joined.triangles == triangles);
+
+    int duplicated = 0, boundary = 0, non_manifold = 0, inconsistent = 0;
+    const auto corners = [](Eigen::Vector3i t) { return std::sort(t.begin(), t.end()), t; };
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+      duplicated += std::any_of(triangles.begin(), triangles.begin() + static_cast<std::ptrdiff_t>(i),
+                                [&](const auto& other) { return corners(other) == corners(triangles[i]); });
+    for (int a = 0; a < count; ++a)
+      for (int b = a + 1; b < count; ++b) {
+        int forward = 0, backward = 0;
+        for (const auto& t : triangles)
+          for (int k = 0; k < 3 && t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; ++k) {
+            forward += t[k] == a && t[(k + 1) % 3] == b;
+            backward += t[k] == b && t[(k + 1) % 3] == a;
+          }
+        boundary += forward + backward == 1;
+        non_manifold += forward + backward > 2;
+        inconsistent += forward + backward == 2 && forward != 1;
+      }
+    const MeshProperties found = inspect(mesh);
+    REQUIRE(found.duplicated == duplicated);
+    REQUIRE(found.boundary_edges == boundary);
+    REQUIRE(found.non_manifold_edges == non_manifold);
+    REQUIRE(found.inconsistent_edges == inconsistent);
+  }
+}
+
 TEST_CASE("the checksum names a surface", "[mesh]") {
   const TriangleMesh a = triangulate(Cone{}, 4);
   TriangleMesh b = a;

@@ -1,5 +1,4 @@
 #include <hdf5.h>
-#include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -11,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/support/folder.hpp"
+
 /// HDF5 1.10.8 loses 328 bytes whenever an object's checksum is wrong (its own h5dump too): not ours to report. Read by the leak sanitizer
 /// alone.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
@@ -18,19 +19,9 @@ extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
 using namespace dragcore;
 using Catch::Contains;
 using Eigen::Vector3d;
+using support::Folder;
 
 namespace {
-
-/// A folder of its own for each test, gone with it.
-struct Folder {
-  std::filesystem::path path = std::filesystem::temp_directory_path() / ("dragcore_field_file_" + std::to_string(::getpid()));
-  Folder() { std::filesystem::create_directories(path); }
-  ~Folder() { std::filesystem::remove_all(path); }
-  std::filesystem::path write(const std::string& name, const std::string& contents) const {
-    std::ofstream(path / name, std::ios::binary) << contents;
-    return path / name;
-  }
-};
 
 std::string contents(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -81,6 +72,63 @@ TEST_CASE("an FGA file is read as resolution, bounds and vectors, x fastest", "[
                                  "2.000000,1.0,1\r\n0,0,0\r\n1,1,1\r\n1,2,3\r\n4,5,6",
                                  "2 1 1 0 0 0 1 1 1 1 2 3 4 5 6", "2,1,1,\t0,0,0,1,1,1,1,2,3,4,5,6,"})
     CHECK(read_fga(folder.write("b.fga", text)).velocity(Vector3d(1.0, 0.5, 0.5)) == Vector3d(4, 5, 6));
+}
+
+TEST_CASE("an FGA file's vectors follow each other along x or along z, as it is told", "[dragcore][field_file][analytic]") {
+  const Folder folder;
+  // 2 x 3 x 4 points whose x component numbers the vectors in the order of the file.
+  std::string text = "2,3,4,0,0,0,1,2,3";
+  for (int i = 0; i < 24; ++i) text += "," + std::to_string(i) + ",0,0";
+  const auto file = folder.write("a.fga", text);
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 4; ++k) {
+        CHECK(read_fga(file).velocity(Vector3d(i, j, k)).x() == (k * 3 + j) * 2 + i);
+        CHECK(read_fga(file, {.order = FgaOrder::z_fastest}).velocity(Vector3d(i, j, k)).x() == (i * 3 + j) * 4 + k);
+      }
+  const GridField field = read_fga(file);
+  write_fga(folder.path / "b.fga", field, {.order = FgaOrder::z_fastest});
+  check_same(read_fga(folder.path / "b.fga", {.order = FgaOrder::z_fastest}).grid(), field.grid());
+  CHECK(read_fga(folder.path / "b.fga").grid().values != field.grid().values);
+}
+
+TEST_CASE("a flat FGA field is one cell thick, or as thick as it is told", "[dragcore][field_file][limit]") {
+  const Folder folder;
+  // 3 x 2 points in the plane z = 5, cells of 2 by 1: the bounds are equal along z.
+  const auto file = folder.write("flat.fga", "3,2,1, 0,0,5, 4,1,5, 1,0,0, 2,0,0, 3,0,0, 1,0,0, 2,0,0, 3,0,0");
+  const GridField field = read_fga(file);
+  CHECK(field.grid().lower == Vector3d(0, 0, 4));
+  CHECK(field.grid().upper == Vector3d(4, 1, 6));
+  CHECK(field.velocity(Vector3d(2.0, 0.5, 5.9)) == Vector3d(2, 0, 0));
+  CHECK(field.velocity(Vector3d(2.0, 0.5, 6.1)) == Vector3d(0, 0, 0));
+  const GridField thick = read_fga(file, {.length_m = 0.5, .thickness_m = 10.0});
+  CHECK(thick.grid().lower == Vector3d(0, 0, -2.5));
+  CHECK(thick.grid().upper == Vector3d(2, 0.5, 7.5));
+  // In the middle of cells, three along 4 are 4/3 apart.
+  const Grid centred = read_fga(file, {.points = FgaPoints::cell_centres}).grid();
+  CHECK_THAT(centred.upper.z() - centred.lower.z(), Catch::Matchers::WithinAbs(4.0 / 3.0, 1e-15));
+  // Two axes without size; one that has a size keeps it.
+  const Grid line = read_fga(folder.write("line.fga", "1,2,1, 3,0,5, 3,2,5, 1,0,0, 2,0,0"), {.thickness_m = 0.5}).grid();
+  CHECK(line.lower == Vector3d(2.75, 0, 4.75));
+  CHECK(line.upper == Vector3d(3.25, 2, 5.25));
+  CHECK(read_fga(folder.write("slab.fga", "2,2,1, 0,0,0, 1,1,7, 1,0,0, 2,0,0, 1,0,0, 2,0,0")).grid().upper == Vector3d(1, 1, 7));
+  // Read, written and read again it is the same.
+  write_fga(folder.path / "again.fga", field);
+  check_same(read_fga(folder.path / "again.fga").grid(), field.grid());
+  CHECK_THROWS_WITH(read_fga(folder.write("point.fga", "1,1,1, 0,0,0, 0,0,0, 1,2,3")), Contains("the field has no size"));
+  CHECK(read_fga(folder.path / "point.fga", {.thickness_m = 2.0}).grid().lower == Vector3d(-1, -1, -1));
+  CHECK_THROWS_WITH(read_fga(folder.write("two.fga", "2,2,2, 0,0,0, 1,1,0, 1,0,0, 2,0,0, 1,0,0, 2,0,0, 1,0,0, 2,0,0, 1,0,0, 2,0,0")),
+                    Contains("upper - lower"));
+  CHECK_THROWS_WITH(read_fga(file, {.thickness_m = -1.0}), Contains("thickness_m = -1"));
+}
+
+TEST_CASE("who writes an FGA file that is too large for Unreal is told", "[dragcore][field_file]") {
+  const Folder folder;
+  CHECK(write_fga(folder.path / "a.fga", random_field({128, 1, 2}, Outside::zero)).empty());
+  CHECK(write_fga(folder.path / "b.fga", random_field({1, 129, 200}, Outside::zero)) ==
+        std::vector<std::string>{"129 points along y: Unreal takes 128 at most. Write fewer if the file is meant for it",
+                                 "200 points along z: Unreal takes 128 at most. Write fewer if the file is meant for it"});
+  CHECK(read_fga(folder.path / "b.fga").grid().points == Eigen::Vector3i(1, 129, 200));  // written all the same
 }
 
 TEST_CASE("wind fields survive a file to the bit", "[dragcore][field_file][invariance]") {
@@ -136,6 +184,12 @@ TEST_CASE("an FGA file that is cut, foreign or wrong gives a message with its fa
   refused("1e300,1e300,1e300,0,0,0,1,1,1,1,2,3", "whole number from 1");
   refused("1,2,1,0,0,0,1,0,1,1,2,3,4,5,6", "upper - lower");
   refused("solid cube", "'solid'");
+  refused("1,\x1b[2J\xC3\xA4'\\,1", R"('\x1b[2J\xc3\xa4\'\\' at byte 2)");
+  refused("1," + std::string(500, 'x'), "'" + std::string(40, 'x') + "…' at byte 2");
+  refused(std::string("\xFF\xFE"
+                      "1\0,\0",
+                      6),
+          "is text in UTF-16");
   refused(std::string("\x89HDF\r\n\x1a\n\0\0", 10), "not a finite number");
   CHECK_THROWS_WITH(read_fga(folder.path / "none.fga"), Contains("no such file"));
   CHECK_THROWS_WITH(read_fga(folder.path), Contains("no such file"));

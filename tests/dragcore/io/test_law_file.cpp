@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <dragcore/law_file.hpp>
@@ -9,22 +7,14 @@
 #include <limits>
 #include <random>
 
+#include "tests/support/folder.hpp"
+
 using namespace dragcore;
 using Catch::Contains;
+using support::Folder;
 namespace fs = std::filesystem;
 
 namespace {
-
-/// A folder of its own for each test, gone with it.
-struct Folder {
-  fs::path path = fs::temp_directory_path() / ("dragcore_law_file_" + std::to_string(::getpid()));
-  Folder() { fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-  fs::path write(const std::string& name, const std::string& contents) const {
-    std::ofstream(path / name, std::ios::binary) << contents;
-    return path / name;
-  }
-};
 
 std::string contents(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
