@@ -23,6 +23,21 @@ using V = hn::Vec<F>;
 constexpr F f;
 constexpr std::size_t width = hn::MaxLanes(F());
 
+using D = hn::CappedTag<double, PackedSurface::lanes / 2>;
+constexpr D d;
+constexpr std::size_t wide = hn::MaxLanes(D());
+
+/// Of an aligned row, in one order whatever the width: the second half onto the first, until one is left.
+template <std::size_t lanes>
+HWY_INLINE double total(double* lane) {
+  std::size_t half = lanes / 2;
+  for (; half >= wide; half /= 2)
+    for (std::size_t k = 0; k < half; k += wide) hn::Store(hn::Add(hn::Load(d, lane + k), hn::Load(d, lane + k + half)), d, lane + k);
+  for (; half > 0; half /= 2)
+    for (std::size_t k = 0; k < half; ++k) lane[k] += lane[k + half];
+  return lane[0];
+}
+
 struct Vec3 {
   V x, y, z;
 };
@@ -37,21 +52,33 @@ HWY_INLINE Vec3 add(const Vec3& a, const Vec3& b) { return {hn::Add(a.x, b.x), h
 HWY_INLINE Vec3 along(const Vec3& a, V s, const Vec3& b) { return {hn::MulAdd(s, b.x, a.x), hn::MulAdd(s, b.y, a.y), hn::MulAdd(s, b.z, a.z)}; }
 HWY_INLINE Vec3 times(const Vec3& a, V s) { return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)}; }
 HWY_INLINE Vec3 set(const Eigen::Vector3f& v) { return {set(v.x()), set(v.y()), set(v.z())}; }
-HWY_INLINE Vec3 load(const std::array<Aligned<float>, 3>& arrays, std::size_t k) {
-  return {hn::Load(f, arrays[0].data() + k), hn::Load(f, arrays[1].data() + k), hn::Load(f, arrays[2].data() + k)};
-}
-/// A symmetric tensor times a vector.
-HWY_INLINE Vec3 apply(const std::array<Aligned<float>, 6>& tensor, std::size_t k, const Vec3& v) {
-  const V xx = hn::Load(f, tensor[0].data() + k), xy = hn::Load(f, tensor[1].data() + k), xz = hn::Load(f, tensor[2].data() + k);
-  const V yy = hn::Load(f, tensor[3].data() + k), yz = hn::Load(f, tensor[4].data() + k), zz = hn::Load(f, tensor[5].data() + k);
-  return {hn::MulAdd(xx, v.x, hn::MulAdd(xy, v.y, hn::Mul(xz, v.z))), hn::MulAdd(xy, v.x, hn::MulAdd(yy, v.y, hn::Mul(yz, v.z))),
-          hn::MulAdd(xz, v.x, hn::MulAdd(yz, v.y, hn::Mul(zz, v.z)))};
-}
-HWY_INLINE V polynomial(const std::array<float, 5>& p, V c) {
-  return hn::MulAdd(hn::MulAdd(hn::MulAdd(hn::MulAdd(set(p[4]), c, set(p[3])), c, set(p[2])), c, set(p[1])), c, set(p[0]));
-}
+/// Where three arrays stand. Passes keep such in local variables: a store of a vector might change a pointer that lives in memory.
+struct Arrays {
+  const float *x, *y, *z;
+  HWY_INLINE Vec3 at(std::size_t k) const { return {hn::Load(f, x + k), hn::Load(f, y + k), hn::Load(f, z + k)}; }
+};
+/// And six, of symmetric tensors.
+struct Tensors {
+  const float *xx, *xy, *xz, *yy, *yz, *zz;
+  HWY_INLINE Vec3 apply(std::size_t k, const Vec3& v) const {
+    const V a = hn::Load(f, xy + k), b = hn::Load(f, xz + k), c = hn::Load(f, yz + k);
+    return {hn::MulAdd(hn::Load(f, xx + k), v.x, hn::MulAdd(a, v.y, hn::Mul(b, v.z))),
+            hn::MulAdd(a, v.x, hn::MulAdd(hn::Load(f, yy + k), v.y, hn::Mul(c, v.z))),
+            hn::MulAdd(b, v.x, hn::MulAdd(c, v.y, hn::Mul(hn::Load(f, zz + k), v.z)))};
+  }
+};
+/// Of degree four.
+struct Polynomial {
+  V p0, p1, p2, p3, p4;
+  explicit HWY_INLINE Polynomial(const std::array<float, 5>& p) : p0(set(p[0])), p1(set(p[1])), p2(set(p[2])), p3(set(p[3])), p4(set(p[4])) {}
+  HWY_INLINE V operator()(V c) const { return hn::MulAdd(hn::MulAdd(hn::MulAdd(hn::MulAdd(p4, c, p3), c, p2), c, p1), c, p0); }
+};
 /// c (1 + e)/(c + e)
-HWY_INLINE V saturating(V c, float e) { return hn::Div(hn::Mul(c, set(1.0f + e)), hn::Add(c, set(e))); }
+struct Saturating {
+  V e, one_and_e;
+  explicit HWY_INLINE Saturating(float edge) : e(set(edge)), one_and_e(set(1.0f + edge)) {}
+  HWY_INLINE V operator()(V c) const { return hn::Div(hn::Mul(c, one_and_e), hn::Add(c, e)); }
+};
 
 /// exp(-x) for x >= 0, within 2e-7: the same bits on every target with fused products.
 HWY_INLINE V exp_minus(V x) {
@@ -82,47 +109,68 @@ struct Scratch {
   HWY_ALIGN float rules[3][block];             // shares of the three rules, adaptive
 };
 
-HWY_INLINE Vec3 load(const float (&arrays)[3][block], std::size_t k) {
-  return {hn::Load(f, arrays[0] + k), hn::Load(f, arrays[1] + k), hn::Load(f, arrays[2] + k)};
-}
 HWY_INLINE void store(const Vec3& v, float (&arrays)[3][block], std::size_t k) {
   hn::Store(v.x, f, arrays[0] + k), hn::Store(v.y, f, arrays[1] + k), hn::Store(v.z, f, arrays[2] + k);
 }
 
-/// 16 lanes of float as one double, in one order whatever the width.
-HWY_INLINE double total(const float* lane) {
-  double sum[PackedSurface::lanes];
-  for (std::size_t k = 0; k < PackedSurface::lanes; ++k) sum[k] = lane[k];
-  for (std::size_t half = PackedSurface::lanes / 2; half > 0; half /= 2)
-    for (std::size_t k = 0; k < half; ++k) sum[k] += sum[k + half];
-  return sum[0];
+/// Seven sums of one term, lane by lane.
+struct Lanes {
+  static constexpr std::size_t groups = PackedSurface::lanes / width, rows = 7;
+  V force[3][groups], torque[3][groups], power[groups];
+
+  Lanes() {
+    for (std::size_t g = 0; g < groups; ++g) {
+      for (int axis = 0; axis < 3; ++axis) force[axis][g] = torque[axis][g] = hn::Zero(f);
+      power[g] = hn::Zero(f);
+    }
+  }
+
+  void add_to(double (&sums)[rows][PackedSurface::lanes]) const;
+};
+
+void Lanes::add_to(double (&sums)[rows][PackedSurface::lanes]) const {
+  const hn::Rebind<float, D> half;
+  HWY_ALIGN float lane[PackedSurface::lanes];
+  const auto add = [&](double* sum, const V(&row)[groups]) {
+    for (std::size_t g = 0; g < groups; ++g) hn::Store(row[g], f, lane + g * width);
+    for (std::size_t k = 0; k < PackedSurface::lanes; k += wide)
+      hn::Store(hn::Add(hn::Load(d, sum + k), hn::PromoteTo(d, hn::Load(half, lane + k))), d, sum + k);
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    add(sums[axis], force[axis]);
+    add(sums[axis + 3], torque[axis]);
+  }
+  add(sums[6], power);
 }
 
 class PartSum {
  public:
-  PartSum(const PackedSurface& body, const PartTask& task, TermSums& sums) : body_(body), task_(task), law_(task.law), sums_(sums) {}
+  PartSum(const PackedSurface& body, const PartTask& task) : body_(body), task_(task), law_(task.law) {}
 
-  void run() {
+  void run(TermSums& sums) {
     const PackedSurface::Range slots = body_.part[task_.part];
     for (std::size_t first = slots.first; first < slots.last; first += block) {
       first_ = first;
       count_ = std::min(block, slots.last - first);
       run_block();
     }
+    for (std::size_t term = 0; term < sums.size(); ++term)
+      if (summed_[term])
+        for (std::size_t row = 0; row < Lanes::rows; ++row) sums[term][row] += total<PackedSurface::lanes>(sums_[term][row]);
   }
 
  private:
   void run_block() {
     if (task_.pillow > 0.0f) shift();
     if (!task_.varies) {
-      const float* area = body_.share.data() + first_;
-      const Arrays moment{body_.moment[0].data() + first_, body_.moment[1].data() + first_, body_.moment[2].data() + first_};
-      task_.pillow > 0.0f ? uniform_windward<true>(area) : uniform_windward<false>(area);
-      pressures(task_.pillow > 0.0f ? arrays(scratch_.arm) : moment);
+      const Arrays moment = of(body_.moment);
+      task_.pillow > 0.0f ? uniform_windward<true>() : uniform_windward<false>();
+      pressures(task_.pillow > 0.0f ? of(scratch_.arm) : moment);
       if (law_.leeward || law_.recovery) {
-        uniform_leeward(area);
+        uniform_leeward();
         suctions(moment);
       }
+      if (law_.friction) friction_of_uniform_flow();
       return;
     }
     const auto rule = [&](Quadrature order, const float* share) {
@@ -138,243 +186,294 @@ class PartSum {
     if (some[2]) rule(Quadrature::six, scratch_.rules[2]);
   }
 
-  struct Arrays {
-    const float *x, *y, *z;
-  };
-  static Arrays arrays(const float (&a)[3][block]) { return {a[0], a[1], a[2]}; }
+  // Of the block at hand.
+  Arrays of(const std::array<Aligned<float>, 3>& a) const { return {a[0].data() + first_, a[1].data() + first_, a[2].data() + first_}; }
+  static Arrays of(const float (&a)[3][block]) { return {a[0], a[1], a[2]}; }
+  Tensors of(const std::array<Aligned<float>, 6>& a) const {
+    return {a[0].data() + first_, a[1].data() + first_, a[2].data() + first_, a[3].data() + first_, a[4].data() + first_, a[5].data() + first_};
+  }
+  const float* of(const Aligned<float>& a) const { return a.data() + first_; }
 
   template <class Pass>
   HWY_INLINE void for_each(Pass&& pass) const {
-    for (std::size_t k = 0; k < count_; k += width) pass(k, first_ + k);
+    const std::size_t count = count_;
+    for (std::size_t k = 0; k < count; k += width) pass(k);
   }
-
-  HWY_INLINE Vec3 normal(std::size_t slot) const { return load(body_.normal, slot); }
 
   /// -kappa t M e/sqrt(3 e.M e) over the face
   void shift() {
     const Vec3 u = set(task_.direction);
     const V kappa = set(-task_.pillow);
-    for_each([&](std::size_t k, std::size_t slot) {
-      const Vec3 n = normal(slot);
-      const Vec3 t = along(u, hn::Neg(dot(u, n)), n), moved = apply(body_.second_moment, slot, t);
+    const Arrays normal = of(body_.normal);
+    const Tensors second_moment = of(body_.second_moment);
+    for_each([&](std::size_t k) {
+      const Vec3 n = normal.at(k), t = along(u, hn::Neg(dot(u, n)), n), moved = second_moment.apply(k, t);
       const V square = hn::Max(hn::Mul(set(3.0f), dot(t, moved)), set(1e-30f));
       const V factor = hn::Mul(kappa, hn::Sqrt(hn::Div(dot(t, t), square)));
       store(times(along(moved, hn::Neg(dot(moved, n)), n), factor), scratch_.shift, k);
     });
   }
 
-  /// From speed^2 and normal speed w: what pressure on windward surface and on leeward surface is a multiple of.
-  template <bool windward>
-  HWY_INLINE void side(std::size_t k, std::size_t slot, const float* area, V speed2, V w) {
-    const auto front = windward ? hn::Gt(w, hn::Zero(f)) : hn::Lt(w, hn::Zero(f));
-    V felt = hn::Mul(hn::Load(f, area + k), speed2);
-    felt = body_.one_sided ? hn::IfThenElseZero(front, felt)
-                           : hn::Mul(felt, hn::IfThenElse(front, set(1.0f), hn::Load(f, body_.back.data() + slot)));
-    const V size = hn::Abs(w);
-    felt = hn::IfThenElseZero(hn::Gt(size, hn::Zero(f)), felt);
-    const V c = hn::Min(set(1.0f), hn::Div(size, hn::Sqrt(hn::Max(speed2, set(1e-30f)))));
-    // Along -n where the air comes against n, and along n where it comes from behind: downstream.
-    const V s = hn::CopySign(felt, hn::Neg(w));
-    hn::Store(c, f, (windward ? scratch_.c : scratch_.lee_c) + k);
-    hn::Store(s, f, (windward ? scratch_.s : scratch_.lee_s) + k);
-    hn::Store(size, f, (windward ? scratch_.w : scratch_.lee_w) + k);
-  }
+  static HWY_INLINE V slowness(V speed2) { return hn::Div(set(1.0f), hn::Sqrt(hn::Max(speed2, set(1e-30f)))); }
+
+  /// What pressure on one of the two sides is a multiple of: the side that meets the air, or the one that turns away.
+  struct Side {
+    float *c, *s, *w;   ///< cosine, factor of the normal, normal speed
+    const float* back;  ///< null where no back feels the air
+
+    /// @param area  of the point, times speed^2
+    template <bool windward>
+    HWY_INLINE void store(std::size_t k, V area, V per_speed, V normal_speed) const {
+      const auto front = windward ? hn::Gt(normal_speed, hn::Zero(f)) : hn::Lt(normal_speed, hn::Zero(f));
+      V felt = back ? hn::Mul(area, hn::IfThenElse(front, set(1.0f), hn::Load(f, back + k))) : hn::IfThenElseZero(front, area);
+      const V size = hn::Abs(normal_speed);
+      felt = hn::IfThenElseZero(hn::Gt(size, hn::Zero(f)), felt);
+      hn::Store(hn::Min(set(1.0f), hn::Mul(size, per_speed)), f, c + k);
+      // Along -n where the air comes against n, and along n where it comes from behind: downstream.
+      hn::Store(hn::CopySign(felt, hn::Neg(normal_speed)), f, s + k);
+      hn::Store(size, f, w + k);
+    }
+  };
+  Side windward() { return {scratch_.c, scratch_.s, scratch_.w, body_.one_sided ? nullptr : of(body_.back)}; }
+  Side leeward() { return {scratch_.lee_c, scratch_.lee_s, scratch_.lee_w, body_.one_sided ? nullptr : of(body_.back)}; }
 
   template <bool shifted>
-  void uniform_windward(const float* area) {
+  void uniform_windward() {
     const Vec3 u = set(task_.flow);
-    const V speed2 = dot(u, u);
-    for_each([&](std::size_t k, std::size_t slot) {
-      const Vec3 n = normal(slot);
-      side<true>(k, slot, area, speed2, hn::Neg(dot(u, n)));
-      if constexpr (shifted) store(add(load(body_.moment, slot), cross(load(scratch_.shift, k), n)), scratch_.arm, k);
+    const V speed2 = dot(u, u), per_speed = slowness(speed2);
+    const Arrays normal = of(body_.normal), moment = of(body_.moment), moved = of(scratch_.shift);
+    const float* area = of(body_.share);
+    const Side side = windward();
+    for_each([&](std::size_t k) {
+      const Vec3 n = normal.at(k);
+      side.store<true>(k, hn::Mul(hn::Load(f, area + k), speed2), per_speed, hn::Neg(dot(u, n)));
+      if constexpr (shifted) store(add(moment.at(k), cross(moved.at(k), n)), scratch_.arm, k);
     });
-    if (law_.curvature)
-      for_each([&](std::size_t k, std::size_t slot) { bend(k, slot, u, hn::Neg(dot(u, normal(slot)))); });
-    if (law_.friction) friction_of_uniform_flow(area);
+    if (!law_.curvature) return;
+    const Tensors curvature = of(body_.curvature);
+    for_each([&](std::size_t k) {
+      const Vec3 n = normal.at(k);
+      bend(k, curvature, n, u, hn::Neg(dot(u, n)));
+    });
   }
 
-  void uniform_leeward(const float* area) {
+  void uniform_leeward() {
     const Vec3 u = set(task_.flow);
-    const V speed2 = dot(u, u);
-    for_each([&](std::size_t k, std::size_t slot) { side<false>(k, slot, area, speed2, hn::Neg(dot(u, normal(slot)))); });
+    const V speed2 = dot(u, u), per_speed = slowness(speed2);
+    const Arrays normal = of(body_.normal);
+    const float* area = of(body_.share);
+    const Side side = leeward();
+    for_each([&](std::size_t k) {
+      side.store<false>(k, hn::Mul(hn::Load(f, area + k), speed2), per_speed, hn::Neg(dot(u, normal.at(k))));
+    });
   }
 
   /// chi of the flow along the surface
-  HWY_INLINE void bend(std::size_t k, std::size_t slot, const Vec3& u, V w) {
-    const Vec3 n = normal(slot), t = along(u, w, n);
-    const V size = dot(t, t), turning = hn::CopySign(set(1.0f), w), bent = hn::Mul(turning, dot(t, apply(body_.curvature, slot, t)));
-    const V square = hn::Mul(bent, bent);
+  HWY_INLINE void bend(std::size_t k, const Tensors& curvature, const Vec3& n, const Vec3& u, V w) {
+    const Vec3 t = along(u, w, n);
+    const V size = dot(t, t), bent = hn::Mul(hn::CopySign(set(1.0f), w), dot(t, curvature.apply(k, t))), square = hn::Mul(bent, bent);
     const V chi = hn::Div(square, hn::MulAdd(hn::Mul(set(0.45f), size), size, hn::Add(square, set(1e-30f))));
     hn::Store(hn::IfThenElseZero(hn::Gt(bent, hn::Zero(f)), chi), f, scratch_.bend + k);
   }
 
-  HWY_INLINE Vec3 velocity(std::size_t slot, const Vec3& r) const {
+  /// The relative flow at a place.
+  struct Flow {
+    Vec3 u, x, y, z;  ///< at the origin, and its change along the axes
+    Arrays wind;
+    bool winds;
+    HWY_INLINE Vec3 at(std::size_t k, const Vec3& r) const {
+      const Vec3 v = winds ? add(u, wind.at(k)) : u;
+      return along(along(along(v, r.x, x), r.y, y), r.z, z);
+    }
+  };
+  Flow flow() const {
     const auto& g = task_.gradient;
-    Vec3 u = set(task_.flow);
-    if (task_.wind) u = add(u, load(*task_.wind, slot));
-    u = along(u, r.x, Vec3{set(g(0, 0)), set(g(1, 0)), set(g(2, 0))});
-    u = along(u, r.y, Vec3{set(g(0, 1)), set(g(1, 1)), set(g(2, 1))});
-    return along(u, r.z, Vec3{set(g(0, 2)), set(g(1, 2)), set(g(2, 2))});
+    return {set(task_.flow), set(g.col(0)), set(g.col(1)), set(g.col(2)), task_.wind ? of(*task_.wind) : Arrays{}, task_.wind != nullptr};
   }
 
   /// All that is felt at one point of the rule, on every triangle of the block.
   void at_point(const QuadraturePoint& point, const float* share) {
     const V s = set(static_cast<float>(point.s - 1.0 / 3.0)), t = set(static_cast<float>(point.t - 1.0 / 3.0));
     const V weight = set(static_cast<float>(point.weight));
-    for_each([&](std::size_t k, std::size_t slot) {
-      Vec3 r = load(body_.place, slot);
-      if (point.weight != 1.0) r = along(along(r, s, load(body_.edge_ab, slot)), t, load(body_.edge_ac, slot));
+    const bool centroid = point.weight == 1.0;
+    const Arrays place = of(body_.place), edge_ab = of(body_.edge_ab), edge_ac = of(body_.edge_ac);
+    const float* area = of(body_.share);
+    for_each([&](std::size_t k) {
+      Vec3 r = place.at(k);
+      if (!centroid) r = along(along(r, s, edge_ab.at(k)), t, edge_ac.at(k));
       store(r, scratch_.place, k);
-      V area = hn::Mul(weight, hn::Load(f, body_.share.data() + slot));
-      if (share) area = hn::Mul(area, hn::Load(f, share + k));
-      hn::Store(area, f, scratch_.area + k);
+      V own = hn::Mul(weight, hn::Load(f, area + k));
+      if (share) own = hn::Mul(own, hn::Load(f, share + k));
+      hn::Store(own, f, scratch_.area + k);
     });
-    task_.pillow > 0.0f ? varying_windward<true>() : varying_windward<false>();
-    pressures(arrays(scratch_.arm));
-    if (law_.leeward || law_.recovery) {
-      for_each([&](std::size_t k, std::size_t slot) {
-        const Vec3 r = load(scratch_.place, k), u = velocity(slot, r), n = normal(slot);
-        side<false>(k, slot, scratch_.area, dot(u, u), hn::Neg(dot(u, n)));
-        store(cross(r, n), scratch_.straight, k);
-      });
-      suctions(arrays(scratch_.straight));
-    }
-    if (law_.friction) friction_at_point();
+    if (task_.pillow > 0.0f)
+      law_.curvature ? varying_windward<true, true>() : varying_windward<true, false>();
+    else
+      law_.curvature ? varying_windward<false, true>() : varying_windward<false, false>();
+    pressures(of(scratch_.arm));
+    const bool pulls = law_.leeward || law_.recovery;
+    if (pulls && law_.friction)
+      straight_at_point<true, true>();
+    else if (pulls)
+      straight_at_point<true, false>();
+    else if (law_.friction)
+      straight_at_point<false, true>();
+    if (pulls) suctions(of(scratch_.straight));
   }
 
-  template <bool shifted>
+  template <bool shifted, bool curved>
   void varying_windward() {
-    for_each([&](std::size_t k, std::size_t slot) {
-      Vec3 r = load(scratch_.place, k);
-      if constexpr (shifted) r = add(r, load(scratch_.shift, k));
-      const Vec3 u = velocity(slot, r), n = normal(slot);
-      const V w = hn::Neg(dot(u, n));
-      side<true>(k, slot, scratch_.area, dot(u, u), w);
+    const Flow air = flow();
+    const Arrays normal = of(body_.normal), place = of(scratch_.place), moved = of(scratch_.shift);
+    const Tensors curvature = of(body_.curvature);
+    const float* area = scratch_.area;
+    const Side side = windward();
+    for_each([&](std::size_t k) {
+      Vec3 r = place.at(k);
+      if constexpr (shifted) r = add(r, moved.at(k));
+      const Vec3 u = air.at(k, r), n = normal.at(k);
+      const V w = hn::Neg(dot(u, n)), speed2 = dot(u, u);
+      side.store<true>(k, hn::Mul(hn::Load(f, area + k), speed2), slowness(speed2), w);
       store(cross(r, n), scratch_.arm, k);
-      if (law_.curvature) bend(k, slot, u, w);
+      if constexpr (curved) bend(k, curvature, n, u, w);
     });
   }
 
   /// The terms of windward surface, one pass each.
   void pressures(const Arrays& arm) {
-    if (task_.reached)
-      for_each([&](std::size_t k, std::size_t slot) {
-        hn::Store(hn::Mul(hn::Load(f, scratch_.s + k), hn::LoadU(f, task_.reached + slot)), f, scratch_.s + k);
-      });
-    if (law_.shelter)
-      for_each([&](std::size_t k, std::size_t) {
-        const V x = hn::Max(hn::Zero(f), hn::NegMulAdd(hn::Load(f, scratch_.c + k), set(law_.per_sharpness), set(1.0f)));
+    float* const c_of = scratch_.c;
+    float* const s_of = scratch_.s;
+    const float* const bend_of = scratch_.bend;
+    if (task_.reached) {
+      const float* reached = task_.reached + first_;
+      for_each([&](std::size_t k) { hn::Store(hn::Mul(hn::Load(f, s_of + k), hn::LoadU(f, reached + k)), f, s_of + k); });
+    }
+    if (law_.shelter) {
+      const V per_sharpness = set(law_.per_sharpness), rate = set(law_.shelter_rate);
+      for_each([&](std::size_t k) {
+        const V x = hn::Max(hn::Zero(f), hn::NegMulAdd(hn::Load(f, c_of + k), per_sharpness, set(1.0f)));
         const V ramp = hn::Div(hn::Mul(x, x), hn::Add(x, set(0.1f)));
-        hn::Store(hn::Mul(hn::Load(f, scratch_.s + k), exp_minus(hn::Mul(set(law_.shelter_rate), ramp))), f, scratch_.s + k);
+        hn::Store(hn::Mul(hn::Load(f, s_of + k), exp_minus(hn::Mul(rate, ramp))), f, s_of + k);
       });
-    sum(Term::windward_pressure, arm, scratch_.c, scratch_.s, scratch_.w, [&](V c, std::size_t) { return polynomial(law_.windward_polynomial, c); });
+    }
+    const Side side = windward();
+    sum(Term::windward_pressure, arm, side, [p = Polynomial(law_.windward_polynomial)](V c, std::size_t) { return p(c); });
     if (law_.base)
-      sum(Term::base_suction, arm, scratch_.c, scratch_.s, scratch_.w, [&](V c, std::size_t) {
-        return hn::Mul(hn::Mul(set(law_.base_suction), saturating(c, law_.base_edge)), hn::Sub(set(2.0f), c));
+      sum(Term::base_suction, arm, side, [suction = set(law_.base_suction), rise = Saturating(law_.base_edge)](V c, std::size_t) {
+        return hn::Mul(hn::Mul(suction, rise(c)), hn::Sub(set(2.0f), c));
       });
     if (law_.curvature)
-      sum(Term::curvature, arm, scratch_.c, scratch_.s, scratch_.w, [&](V c, std::size_t k) {
-        const V along_surface = hn::NegMulAdd(c, c, set(1.0f));
-        return hn::Mul(hn::Mul(set(-law_.curvature_suction), hn::Load(f, scratch_.bend + k)), hn::Mul(along_surface, saturating(c, 0.2f)));
+      sum(Term::curvature, arm, side, [suction = set(-law_.curvature_suction), rise = Saturating(0.2f), bend_of](V c, std::size_t k) {
+        return hn::Mul(hn::Mul(suction, hn::Load(f, bend_of + k)), hn::Mul(hn::NegMulAdd(c, c, set(1.0f)), rise(c)));
       });
   }
 
   /// The terms of leeward surface.
   void suctions(const Arrays& arm) {
+    const Side side = leeward();
     if (law_.leeward)
-      sum(Term::leeward_suction, arm, scratch_.lee_c, scratch_.lee_s, scratch_.lee_w,
-          [&](V c, std::size_t) { return polynomial(law_.leeward_polynomial, c); });
+      sum(Term::leeward_suction, arm, side, [p = Polynomial(law_.leeward_polynomial)](V c, std::size_t) { return p(c); });
     if (law_.recovery)
-      sum(Term::rear_recovery, arm, scratch_.lee_c, scratch_.lee_s, scratch_.lee_w,
-          [&](V c, std::size_t) { return hn::Mul(set(-law_.push), saturating(c, law_.recovery_edge)); });
+      sum(Term::rear_recovery, arm, side, [push = set(-law_.push), rise = Saturating(law_.recovery_edge)](V c, std::size_t) {
+        return hn::Mul(push, rise(c));
+      });
   }
 
-  static constexpr std::size_t groups = PackedSurface::lanes / width;
+  static constexpr std::size_t groups = Lanes::groups;
 
   /// Adds s coefficient(c) times (normal, arm), and its power, to a term.
   template <class Coefficient>
-  void sum(Term term, const Arrays& arm, const float* c, const float* s, const float* w, Coefficient&& coefficient) {
-    V force[3][groups], torque[3][groups], power[groups];
-    for (std::size_t g = 0; g < groups; ++g) {
-      for (int axis = 0; axis < 3; ++axis) force[axis][g] = torque[axis][g] = hn::Zero(f);
-      power[g] = hn::Zero(f);
-    }
-    for (std::size_t k = 0; k < count_; k += PackedSurface::lanes) {
-      HWY_UNROLL(4)
+  void sum(Term term, const Arrays& arm, const Side& side, const Coefficient& coefficient) {
+    Lanes lanes;
+    const Arrays normal = of(body_.normal);
+    const std::size_t count = count_;
+    for (std::size_t k = 0; k < count; k += PackedSurface::lanes)
       for (std::size_t g = 0; g < groups; ++g) {
         const std::size_t at = k + g * width;
-        const V pressure = hn::Mul(hn::Load(f, s + at), coefficient(hn::Load(f, c + at), at));
-        const Vec3 n = normal(first_ + at);
-        force[0][g] = hn::MulAdd(pressure, n.x, force[0][g]);
-        force[1][g] = hn::MulAdd(pressure, n.y, force[1][g]);
-        force[2][g] = hn::MulAdd(pressure, n.z, force[2][g]);
-        torque[0][g] = hn::MulAdd(pressure, hn::Load(f, arm.x + at), torque[0][g]);
-        torque[1][g] = hn::MulAdd(pressure, hn::Load(f, arm.y + at), torque[1][g]);
-        torque[2][g] = hn::MulAdd(pressure, hn::Load(f, arm.z + at), torque[2][g]);
-        power[g] = hn::MulAdd(hn::Abs(pressure), hn::Load(f, w + at), power[g]);
+        const V pressure = hn::Mul(hn::Load(f, side.s + at), coefficient(hn::Load(f, side.c + at), at));
+        const Vec3 n = normal.at(at), m = arm.at(at);
+        lanes.force[0][g] = hn::MulAdd(pressure, n.x, lanes.force[0][g]);
+        lanes.force[1][g] = hn::MulAdd(pressure, n.y, lanes.force[1][g]);
+        lanes.force[2][g] = hn::MulAdd(pressure, n.z, lanes.force[2][g]);
+        lanes.torque[0][g] = hn::MulAdd(pressure, m.x, lanes.torque[0][g]);
+        lanes.torque[1][g] = hn::MulAdd(pressure, m.y, lanes.torque[1][g]);
+        lanes.torque[2][g] = hn::MulAdd(pressure, m.z, lanes.torque[2][g]);
+        lanes.power[g] = hn::MulAdd(hn::Abs(pressure), hn::Load(f, side.w + at), lanes.power[g]);
       }
-    }
-    add_sums(term, force, torque, power);
+    add_lanes(term, lanes);
   }
 
-  void add_sums(Term term, const V (&force)[3][groups], const V (&torque)[3][groups], const V (&power)[groups]) {
-    HWY_ALIGN float lane[PackedSurface::lanes];
-    auto& sums = sums_[static_cast<std::size_t>(term)];
-    const auto add = [&](std::size_t row, const V(&sum)[groups]) {
-      for (std::size_t g = 0; g < groups; ++g) hn::Store(sum[g], f, lane + g * width);
-      sums[row] += total(lane);
-    };
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      add(axis, force[axis]);
-      add(axis + 3, torque[axis]);
-    }
-    add(6, power);
+  void add_lanes(Term term, const Lanes& lanes) {
+    const auto index = static_cast<std::size_t>(term);
+    if (!summed_[index]) std::fill_n(&sums_[index][0][0], Lanes::rows * PackedSurface::lanes, 0.0);
+    summed_[index] = true;
+    lanes.add_to(sums_[index]);
   }
 
   /// Along the surface: of both wetted sides, u + n w each. What goes along u is the same for all triangles and known: see add_part().
-  void friction_of_uniform_flow(const float* area) {
+  void friction_of_uniform_flow() {
     const Vec3 u = set(task_.flow);
     const V factor = hn::Mul(set(law_.skin_friction), hn::Sqrt(dot(u, u)));
-    for_each([&](std::size_t k, std::size_t slot) {
-      const V w = hn::Neg(dot(u, normal(slot)));
+    const Arrays normal = of(body_.normal);
+    const float* area = of(body_.share);
+    const Side side = leeward();
+    for_each([&](std::size_t k) {
+      const V w = hn::Neg(dot(u, normal.at(k)));
       V wetted = hn::Load(f, area + k);
-      if (!body_.one_sided) wetted = hn::MulAdd(wetted, hn::Load(f, body_.back.data() + slot), wetted);
-      hn::Store(hn::Mul(hn::Mul(wetted, factor), w), f, scratch_.lee_s + k);
-      hn::Store(hn::Neg(hn::Abs(w)), f, scratch_.lee_w + k);  // the power is less than that of drag along u
+      if (side.back) wetted = hn::MulAdd(wetted, hn::Load(f, side.back + k), wetted);
+      hn::Store(hn::Mul(hn::Mul(wetted, factor), w), f, side.s + k);
+      hn::Store(hn::Neg(hn::Abs(w)), f, side.w + k);  // the power is less than that of drag along u
+      hn::Store(set(1.0f), f, side.c + k);
     });
-    const Arrays moment{body_.moment[0].data() + first_, body_.moment[1].data() + first_, body_.moment[2].data() + first_};
-    sum(Term::friction, moment, scratch_.lee_s, scratch_.lee_s, scratch_.lee_w, [&](V, std::size_t) { return set(1.0f); });
+    sum(Term::friction, of(body_.moment), side, [](V one, std::size_t) { return one; });
   }
 
-  void friction_at_point() {
-    V force[3][groups], torque[3][groups], power[groups];
-    for (std::size_t g = 0; g < groups; ++g) {
-      for (int axis = 0; axis < 3; ++axis) force[axis][g] = torque[axis][g] = hn::Zero(f);
-      power[g] = hn::Zero(f);
-    }
-    for (std::size_t k = 0; k < count_; k += PackedSurface::lanes)
+  /// Where the pressure of leeward surface and friction act: not displaced by the pillow, so that they share a velocity.
+  template <bool pulls, bool rubs>
+  void straight_at_point() {
+    Lanes lanes;
+    const Flow air = flow();
+    const Arrays normal = of(body_.normal), place = of(scratch_.place);
+    const float* area = scratch_.area;
+    const Side side = leeward();
+    const V skin_friction = set(law_.skin_friction);
+    const std::size_t count = count_;
+    for (std::size_t k = 0; k < count; k += PackedSurface::lanes)
       for (std::size_t g = 0; g < groups; ++g) {
-        const std::size_t at = k + g * width, slot = first_ + at;
-        const Vec3 r = load(scratch_.place, at), u = velocity(slot, r), n = normal(slot);
-        V wetted = hn::Mul(hn::Load(f, scratch_.area + at), set(law_.skin_friction));
-        if (!body_.one_sided) wetted = hn::MulAdd(wetted, hn::Load(f, body_.back.data() + slot), wetted);
-        const Vec3 drag = times(along(u, hn::Neg(dot(u, n)), n), hn::Mul(wetted, hn::Sqrt(dot(u, u)))), turn = cross(r, drag);
-        force[0][g] = hn::Add(force[0][g], drag.x), force[1][g] = hn::Add(force[1][g], drag.y), force[2][g] = hn::Add(force[2][g], drag.z);
-        torque[0][g] = hn::Add(torque[0][g], turn.x), torque[1][g] = hn::Add(torque[1][g], turn.y), torque[2][g] = hn::Add(torque[2][g], turn.z);
-        power[g] = hn::Add(power[g], dot(drag, u));
+        const std::size_t at = k + g * width;
+        const Vec3 r = place.at(at), u = air.at(at, r), n = normal.at(at);
+        const V w = hn::Neg(dot(u, n)), speed2 = dot(u, u), own = hn::Load(f, area + at);
+        if constexpr (pulls) {
+          side.store<false>(at, hn::Mul(own, speed2), slowness(speed2), w);
+          store(cross(r, n), scratch_.straight, at);
+        }
+        if constexpr (rubs) {
+          V wetted = hn::Mul(own, skin_friction);
+          if (side.back) wetted = hn::MulAdd(wetted, hn::Load(f, side.back + at), wetted);
+          const Vec3 drag = times(along(u, w, n), hn::Mul(wetted, hn::Sqrt(speed2))), turn = cross(r, drag);
+          lanes.force[0][g] = hn::Add(lanes.force[0][g], drag.x);
+          lanes.force[1][g] = hn::Add(lanes.force[1][g], drag.y);
+          lanes.force[2][g] = hn::Add(lanes.force[2][g], drag.z);
+          lanes.torque[0][g] = hn::Add(lanes.torque[0][g], turn.x);
+          lanes.torque[1][g] = hn::Add(lanes.torque[1][g], turn.y);
+          lanes.torque[2][g] = hn::Add(lanes.torque[2][g], turn.z);
+          lanes.power[g] = hn::Add(lanes.power[g], dot(drag, u));
+        }
       }
-    add_sums(Term::friction, force, torque, power);
+    if constexpr (rubs) add_lanes(Term::friction, lanes);
   }
 
   /// Shares of the rules on every triangle; says which of them are needed at all.
   std::array<bool, 3> adapt() {
     V most[3] = {hn::Zero(f), hn::Zero(f), hn::Zero(f)};
-    for_each([&](std::size_t k, std::size_t slot) {
-      const Vec3 ab = load(body_.edge_ab, slot), ac = load(body_.edge_ac, slot), u = velocity(slot, load(body_.place, slot));
+    const Flow air = flow();
+    const Arrays place = of(body_.place), edge_ab = of(body_.edge_ab), edge_ac = of(body_.edge_ac);
+    const V per_length = set(task_.variation);
+    for_each([&](std::size_t k) {
+      const Vec3 ab = edge_ab.at(k), ac = edge_ac.at(k), u = air.at(k, place.at(k));
       const Vec3 a = add(ab, ac), b = along(ac, set(-2.0f), ab), c = along(ab, set(-2.0f), ac);
       const V radius = hn::Mul(hn::Sqrt(hn::Max(dot(a, a), hn::Max(dot(b, b), dot(c, c)))), set(1.0f / 3.0f));
-      const V variation = hn::Mul(radius, set(task_.variation)), speed = hn::Sqrt(dot(u, u));
+      const V variation = hn::Mul(radius, per_length), speed = hn::Sqrt(dot(u, u));
       const auto rise = [&](float low, float high) {
         const V range = hn::Max(hn::Mul(speed, set(high - low)), set(1e-30f));
         const V y = hn::Min(set(1.0f), hn::Div(hn::Max(hn::Zero(f), hn::NegMulAdd(speed, set(low), variation)), range));
@@ -395,16 +494,13 @@ class PartSum {
   const PackedSurface& body_;
   const PartTask& task_;
   const ResolvedLaw& law_;
-  TermSums& sums_;
   std::size_t first_ = 0, count_ = 0;
   Scratch scratch_;
+  std::array<bool, static_cast<std::size_t>(Term::count)> summed_{};
+  HWY_ALIGN double sums_[static_cast<std::size_t>(Term::count)][Lanes::rows][PackedSurface::lanes];  // set where `summed_`
 };
 
-void add_part_on_target(const PackedSurface& surface, const PartTask& task, TermSums& sums) { PartSum(surface, task, sums).run(); }
-
-using D = hn::CappedTag<double, PackedSurface::lanes / 2>;
-constexpr D d;
-constexpr std::size_t wide = hn::MaxLanes(D());
+void add_part_on_target(const PackedSurface& surface, const PartTask& task, TermSums& sums) { PartSum(surface, task).run(sums); }
 
 void silhouette_on_target(const PackedSurface& surface, PackedSurface::Range range, const Eigen::Vector3d& direction, bool two_sided,
                           const double* reached, SilhouetteSums& result) {
@@ -431,12 +527,7 @@ void silhouette_on_target(const PackedSurface& surface, PackedSurface::Range ran
     }
     for (std::size_t row = 0; row < rows; ++row) hn::Store(sum[row], d, sums[row] + turn * wide);
   }
-  const auto all = [&](std::size_t row) {
-    double* sum = sums[row];
-    for (std::size_t half = lanes / 2; half > 0; half /= 2)
-      for (std::size_t k = 0; k < half; ++k) sum[k] += sum[k + half];
-    return sum[0];
-  };
+  const auto all = [&](std::size_t row) { return total<lanes>(sums[row]); };
   result.whole = all(0), result.frontal = all(1), result.sharp = all(2);
   for (Eigen::Index row = 0; row < 3; ++row) result.first[row] = all(3 + static_cast<std::size_t>(row));
   const double xx = all(6), xy = all(7), xz = all(8), yy = all(9), yz = all(10), zz = all(11);
