@@ -93,6 +93,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   model.pillow_factor = bytes.number();
   model.quadrature = bytes.index(7);
   model.effects = static_cast<unsigned>(bytes.index(512));
+  model.precision = bytes.index(3);
 
   dragcore_wrench wrench{};
   status = dragcore_evaluate(pointer(8, surface), pointer(9, &motion), density, pointer(10, &model), pointer(11, &wrench));

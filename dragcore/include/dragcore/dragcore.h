@@ -65,6 +65,9 @@ typedef enum dragcore_pillow {
 
 typedef enum dragcore_falloff { DRAGCORE_FALLOFF_CIRCULAR = 0, DRAGCORE_FALLOFF_LINEAR = 1 } dragcore_falloff;
 
+/* Of the sum over the triangles: enum class Precision in dragcore/drag.hpp. */
+typedef enum dragcore_precision { DRAGCORE_PRECISION_FULL = 0, DRAGCORE_PRECISION_SINGLE = 1 } dragcore_precision;
+
 #define DRAGCORE_ALL_EFFECTS 511u /* bits of enum Effect in dragcore/effects.hpp */
 
 typedef struct dragcore_model {
@@ -74,6 +77,12 @@ typedef struct dragcore_model {
   int falloff;      /* one of enum dragcore_falloff */
   int quadrature;   /* points per triangle where the velocity varies over it: 1, 3 or 6, or 0 for adaptive */
   unsigned effects; /* DRAGCORE_ALL_EFFECTS, or the bits of those to evaluate */
+  int precision;    /* one of enum dragcore_precision */
+  int sheets;       /* 1: parts of class sheet have the next four in place of the law and the pillow above */
+  dragcore_law sheet_law;
+  int sheet_pillow;
+  double sheet_pillow_factor;
+  int sheet_falloff;
 } dragcore_model;
 
 typedef struct dragcore_wrench {

@@ -11,8 +11,8 @@
 
 #include "body/edges.hpp"
 #include "body/extents.hpp"
+#include "body/pack.hpp"
 #include "body/regions.hpp"
-#include "kernels/pack.hpp"
 
 namespace dragcore {
 

@@ -35,12 +35,27 @@ dragcore_law law_from(const dragcore::Law& law) {
 }
 
 dragcore_model model_from(const dragcore::Model& model) {
-  return {law_from(model.law),
-          static_cast<int>(model.pillow.form),
-          model.pillow.factor,
-          static_cast<int>(model.pillow.falloff),
-          static_cast<int>(model.quadrature),
-          model.effects.bits()};
+  const dragcore::SheetModel sheets = model.sheets.value_or(dragcore::SheetModel{model.law, model.pillow});
+  return {.law = law_from(model.law),
+          .pillow = static_cast<int>(model.pillow.form),
+          .pillow_factor = model.pillow.factor,
+          .falloff = static_cast<int>(model.pillow.falloff),
+          .quadrature = static_cast<int>(model.quadrature),
+          .effects = model.effects.bits(),
+          .precision = static_cast<int>(model.precision),
+          .sheets = model.sheets.has_value(),
+          .sheet_law = law_from(sheets.law),
+          .sheet_pillow = static_cast<int>(sheets.pillow.form),
+          .sheet_pillow_factor = sheets.pillow.factor,
+          .sheet_falloff = static_cast<int>(sheets.pillow.falloff)};
+}
+
+dragcore::Pillow pillow_of(int form, double factor, int falloff) {
+  if (form < DRAGCORE_PILLOW_NONE || form > DRAGCORE_PILLOW_ECCENTRICITY)
+    throw std::invalid_argument("pillow = " + std::to_string(form) + ", but it must be one of enum dragcore_pillow, 0 to 4");
+  if (falloff != DRAGCORE_FALLOFF_CIRCULAR && falloff != DRAGCORE_FALLOFF_LINEAR)
+    throw std::invalid_argument("falloff = " + std::to_string(falloff) + ", but it must be one of enum dragcore_falloff, 0 or 1");
+  return {static_cast<dragcore::PillowForm>(form), factor, static_cast<dragcore::Falloff>(falloff)};
 }
 
 dragcore::Wrench wrench_of(const dragcore_wrench& w) { return {vector(w.force), vector(w.torque)}; }
@@ -88,16 +103,16 @@ void set_last_error(const char* message) noexcept {
 Model model_of(const dragcore_model& m) {
   if (m.quadrature != 0 && m.quadrature != 1 && m.quadrature != 3 && m.quadrature != 6)
     throw std::invalid_argument("quadrature = " + std::to_string(m.quadrature) + ", but it must be 1, 3 or 6, or 0 for adaptive");
-  if (m.pillow < DRAGCORE_PILLOW_NONE || m.pillow > DRAGCORE_PILLOW_ECCENTRICITY)
-    throw std::invalid_argument("pillow = " + std::to_string(m.pillow) + ", but it must be one of enum dragcore_pillow, 0 to 4");
-  if (m.falloff != DRAGCORE_FALLOFF_CIRCULAR && m.falloff != DRAGCORE_FALLOFF_LINEAR)
-    throw std::invalid_argument("falloff = " + std::to_string(m.falloff) + ", but it must be one of enum dragcore_falloff, 0 or 1");
+  if (m.precision != DRAGCORE_PRECISION_FULL && m.precision != DRAGCORE_PRECISION_SINGLE)
+    throw std::invalid_argument("precision = " + std::to_string(m.precision) + ", but it must be one of enum dragcore_precision, 0 or 1");
   if (m.effects > DRAGCORE_ALL_EFFECTS)
     throw std::invalid_argument("effects = " + std::to_string(m.effects) + ", but it must be DRAGCORE_ALL_EFFECTS or some of its bits");
   dragcore::Model model{.law = law_of(m.law),
-                        .pillow = {static_cast<dragcore::PillowForm>(m.pillow), m.pillow_factor, static_cast<dragcore::Falloff>(m.falloff)},
+                        .pillow = pillow_of(m.pillow, m.pillow_factor, m.falloff),
                         .quadrature = static_cast<dragcore::Quadrature>(m.quadrature),
-                        .effects = {}};
+                        .effects = {},
+                        .precision = static_cast<dragcore::Precision>(m.precision)};
+  if (m.sheets) model.sheets = dragcore::SheetModel{law_of(m.sheet_law), pillow_of(m.sheet_pillow, m.sheet_pillow_factor, m.sheet_falloff)};
   for (unsigned bit = 1; bit < DRAGCORE_ALL_EFFECTS; bit <<= 1)
     if (m.effects & bit) model.effects = model.effects | static_cast<dragcore::Effect>(bit);
   return model;

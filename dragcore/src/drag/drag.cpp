@@ -17,8 +17,9 @@ void check_input(const Motion& motion, const Medium& medium, const Model& model)
   if (!model.check) return;
   const auto usable = [](const Vector3d& v, const char* name) {
     // Beyond 1e100 the square of the speed, times a density and an area of any size, leaves the range of numbers; sound is at 340 m/s.
-    require(v.allFinite() && v.cwiseAbs().maxCoeff() <= 1e100, [name] { return std::string("wrench: motion.") + name; }, v,
-            "it must be finite, and below 1e100");
+    require(
+        v.allFinite() && v.cwiseAbs().maxCoeff() <= 1e100, [name] { return std::string("wrench: motion.") + name; }, v,
+        "it must be finite, and below 1e100");
   };
   usable(motion.wind, "wind");
   usable(motion.velocity, "velocity");

@@ -1,8 +1,8 @@
 #include <dragcore/law.hpp>
+#include <dragcore/unknown_word.hpp>
 #include <stdexcept>
 
 #include "support/require.hpp"
-#include <dragcore/unknown_word.hpp>
 
 namespace dragcore {
 

@@ -16,7 +16,8 @@ namespace {
 
 /// Whether a polynomial is never negative from 0 to 1, by its Bernstein coefficients: enough of a reason, though not the only one.
 bool never_negative(const Law::Polynomial& p) {
-  static constexpr double share[5][5] = {{1, 0, 0, 0, 0}, {1, 1.0 / 4, 0, 0, 0}, {1, 2.0 / 4, 1.0 / 6, 0, 0}, {1, 3.0 / 4, 3.0 / 6, 1.0 / 4, 0}, {1, 1, 1, 1, 1}};
+  static constexpr double share[5][5] = {
+      {1, 0, 0, 0, 0}, {1, 1.0 / 4, 0, 0, 0}, {1, 2.0 / 4, 1.0 / 6, 0, 0}, {1, 3.0 / 4, 3.0 / 6, 1.0 / 4, 0}, {1, 1, 1, 1, 1}};
   for (const auto& row : share) {
     double sum = 0.0;
     for (std::size_t k = 0; k < p.size(); ++k) sum += row[k] * p[k];
@@ -78,7 +79,8 @@ std::optional<WrenchByTerm> fast_wrench(const Surface& surface, const Motion& mo
   double speed = 0.0;
   Vector3d base_wind = Vector3d::Zero();
   if (flow.varies_by_triangle()) {
-    for (std::size_t i = 0; i < motion.triangle_wind.size(); ++i) base_wind += surface.area[static_cast<Eigen::Index>(i)] * motion.triangle_wind[i];
+    for (std::size_t i = 0; i < motion.triangle_wind.size(); ++i)
+      base_wind += surface.area[static_cast<Eigen::Index>(i)] * motion.triangle_wind[i];
     base_wind /= packed.area;
     for (const Vector3d& wind : motion.triangle_wind) speed = std::max(speed, (wind - base_wind).norm());
     origin_flow = base_wind - motion.velocity + flow.gradient() * (packed.origin - motion.reference_point);
@@ -145,7 +147,8 @@ std::optional<WrenchByTerm> fast_wrench(const Surface& surface, const Motion& mo
   const auto pushes = [](std::size_t term) {
     return term == static_cast<std::size_t>(Term::curvature) || term == static_cast<std::size_t>(Term::rear_recovery);
   };
-  for (std::size_t term = 0; term < sums.size(); ++term) balance.add(pushes(term) ? 0.0 : sums[term][6], pushes(term) ? sums[term][6] : 0.0);
+  for (std::size_t term = 0; term < sums.size(); ++term)
+    balance.add(pushes(term) ? 0.0 : sums[term][6], pushes(term) ? sums[term][6] : 0.0);
   const double gain = balance.gain_share();
   const double to_newton = 0.5 * medium.density * speed * speed * packed.area;
   const Vector3d arm = packed.origin - motion.reference_point;

@@ -1,6 +1,6 @@
 // In place of the kernels where the library is built without them.
+#include "body/pack.hpp"
 #include "drag/fast_wrench.hpp"
-#include "kernels/pack.hpp"
 
 namespace dragcore {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "kernels/pack.hpp"
+#include "body/pack.hpp"
 
 namespace dragcore::kernels {
 
@@ -75,13 +75,13 @@ PackedSurface::PackedSurface(const Surface& surface)
 
   const bool by_triangle = surface.exposure != nullptr;
   std::vector<int> item;
-  const std::size_t found =
-      by_triangle ? lay_out(
-                        static_cast<std::size_t>(surface.size()), parts,
-                        [&](std::size_t i) { return static_cast<std::size_t>(surface.part[i]); }, facets.part, item)
-                  : lay_out(
-                        surface.patches.size(), parts, [&](std::size_t i) { return static_cast<std::size_t>(surface.patches[i].part); },
-                        facets.part, item);
+  const std::size_t found = by_triangle
+                                ? lay_out(
+                                      static_cast<std::size_t>(surface.size()), parts,
+                                      [&](std::size_t i) { return static_cast<std::size_t>(surface.part[i]); }, facets.part, item)
+                                : lay_out(
+                                      surface.patches.size(), parts,
+                                      [&](std::size_t i) { return static_cast<std::size_t>(surface.patches[i].part); }, facets.part, item);
   resize(facets.normal, found), resize(facets.first, found), resize(facets.second, found);
   facets.area = Aligned<double>(found);
   const auto facet = [&](std::size_t slot, const Vector3d& n, const Vector3d& centre, double a, const Eigen::Matrix3d& own) {

@@ -49,7 +49,9 @@ HWY_INLINE Vec3 cross(const Vec3& a, const Vec3& b) {
 }
 HWY_INLINE Vec3 add(const Vec3& a, const Vec3& b) { return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)}; }
 /// a + s b
-HWY_INLINE Vec3 along(const Vec3& a, V s, const Vec3& b) { return {hn::MulAdd(s, b.x, a.x), hn::MulAdd(s, b.y, a.y), hn::MulAdd(s, b.z, a.z)}; }
+HWY_INLINE Vec3 along(const Vec3& a, V s, const Vec3& b) {
+  return {hn::MulAdd(s, b.x, a.x), hn::MulAdd(s, b.y, a.y), hn::MulAdd(s, b.z, a.z)};
+}
 HWY_INLINE Vec3 times(const Vec3& a, V s) { return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)}; }
 HWY_INLINE Vec3 set(const Eigen::Vector3f& v) { return {set(v.x()), set(v.y()), set(v.z())}; }
 /// Where three arrays stand. Passes keep such in local variables: a store of a vector might change a pointer that lives in memory.
@@ -70,7 +72,8 @@ struct Tensors {
 /// Of degree four.
 struct Polynomial {
   V p0, p1, p2, p3, p4;
-  explicit HWY_INLINE Polynomial(const std::array<float, 5>& p) : p0(set(p[0])), p1(set(p[1])), p2(set(p[2])), p3(set(p[3])), p4(set(p[4])) {}
+  explicit HWY_INLINE Polynomial(const std::array<float, 5>& p)
+      : p0(set(p[0])), p1(set(p[1])), p2(set(p[2])), p3(set(p[3])), p4(set(p[4])) {}
   HWY_INLINE V operator()(V c) const { return hn::MulAdd(hn::MulAdd(hn::MulAdd(hn::MulAdd(p4, c, p3), c, p2), c, p1), c, p0); }
 };
 /// c (1 + e)/(c + e)
@@ -98,15 +101,15 @@ HWY_INLINE V exp_minus(V x) {
 
 /// Intermediate results of one block.
 struct Scratch {
-  HWY_ALIGN float shift[3][block];             // of the pillow
-  HWY_ALIGN float place[3][block];             // of a point of quadrature
-  HWY_ALIGN float arm[3][block];               // (place + shift) x normal
-  HWY_ALIGN float straight[3][block];          // place x normal
+  HWY_ALIGN float shift[3][block];               // of the pillow
+  HWY_ALIGN float place[3][block];               // of a point of quadrature
+  HWY_ALIGN float arm[3][block];                 // (place + shift) x normal
+  HWY_ALIGN float straight[3][block];            // place x normal
   HWY_ALIGN float c[block], s[block], w[block];  // windward pressure: cosine, factor of the normal, normal speed
-  HWY_ALIGN float bend[block];                 // chi
+  HWY_ALIGN float bend[block];                   // chi
   HWY_ALIGN float lee_c[block], lee_s[block], lee_w[block];
-  HWY_ALIGN float area[block];                 // that stands for the point
-  HWY_ALIGN float rules[3][block];             // shares of the three rules, adaptive
+  HWY_ALIGN float area[block];      // that stands for the point
+  HWY_ALIGN float rules[3][block];  // shares of the three rules, adaptive
 };
 
 HWY_INLINE void store(const Vec3& v, float (&arrays)[3][block], std::size_t k) {
@@ -190,7 +193,8 @@ class PartSum {
   Arrays of(const std::array<Aligned<float>, 3>& a) const { return {a[0].data() + first_, a[1].data() + first_, a[2].data() + first_}; }
   static Arrays of(const float (&a)[3][block]) { return {a[0], a[1], a[2]}; }
   Tensors of(const std::array<Aligned<float>, 6>& a) const {
-    return {a[0].data() + first_, a[1].data() + first_, a[2].data() + first_, a[3].data() + first_, a[4].data() + first_, a[5].data() + first_};
+    return {a[0].data() + first_, a[1].data() + first_, a[2].data() + first_,
+            a[3].data() + first_, a[4].data() + first_, a[5].data() + first_};
   }
   const float* of(const Aligned<float>& a) const { return a.data() + first_; }
 
@@ -263,9 +267,8 @@ class PartSum {
     const Arrays normal = of(body_.normal);
     const float* area = of(body_.share);
     const Side side = leeward();
-    for_each([&](std::size_t k) {
-      side.store<false>(k, hn::Mul(hn::Load(f, area + k), speed2), per_speed, hn::Neg(dot(u, normal.at(k))));
-    });
+    for_each(
+        [&](std::size_t k) { side.store<false>(k, hn::Mul(hn::Load(f, area + k), speed2), per_speed, hn::Neg(dot(u, normal.at(k)))); });
   }
 
   /// chi of the flow along the surface
@@ -371,12 +374,10 @@ class PartSum {
   /// The terms of leeward surface.
   void suctions(const Arrays& arm) {
     const Side side = leeward();
-    if (law_.leeward)
-      sum(Term::leeward_suction, arm, side, [p = Polynomial(law_.leeward_polynomial)](V c, std::size_t) { return p(c); });
+    if (law_.leeward) sum(Term::leeward_suction, arm, side, [p = Polynomial(law_.leeward_polynomial)](V c, std::size_t) { return p(c); });
     if (law_.recovery)
-      sum(Term::rear_recovery, arm, side, [push = set(-law_.push), rise = Saturating(law_.recovery_edge)](V c, std::size_t) {
-        return hn::Mul(push, rise(c));
-      });
+      sum(Term::rear_recovery, arm, side,
+          [push = set(-law_.push), rise = Saturating(law_.recovery_edge)](V c, std::size_t) { return hn::Mul(push, rise(c)); });
   }
 
   static constexpr std::size_t groups = Lanes::groups;

@@ -27,18 +27,19 @@ struct ResolvedLaw {
 struct PartTask {
   std::size_t part = 0;
   ResolvedLaw law{};
-  Eigen::Vector3f flow = Eigen::Vector3f::Zero();      ///< of the air relative to the body, at the packed surface's origin
-  Eigen::Matrix3f gradient = Eigen::Matrix3f::Zero();  ///< of that flow, per unit of length
-  bool varies = false;                                 ///< the gradient counts, or the winds
-  const std::array<Aligned<float>, 3>* wind = nullptr; ///< of every slot, to be added to the flow; null where there are none
-  Eigen::Vector3f direction = Eigen::Vector3f::Zero(); ///< unit: of the flow at the part's centre
-  float pillow = 0.0f;                                 ///< kappa of the tilt form, faded; 0: no pillow
-  const float* reached = nullptr;                      ///< share that the wind reaches, of every slot; null where it reaches all
-  float variation = 0.0f;                              ///< of the flow per unit of length: adaptive quadrature goes by it
+  Eigen::Vector3f flow = Eigen::Vector3f::Zero();       ///< of the air relative to the body, at the packed surface's origin
+  Eigen::Matrix3f gradient = Eigen::Matrix3f::Zero();   ///< of that flow, per unit of length
+  bool varies = false;                                  ///< the gradient counts, or the winds
+  const std::array<Aligned<float>, 3>* wind = nullptr;  ///< of every slot, to be added to the flow; null where there are none
+  Eigen::Vector3f direction = Eigen::Vector3f::Zero();  ///< unit: of the flow at the part's centre
+  float pillow = 0.0f;                                  ///< kappa of the tilt form, faded; 0: no pillow
+  const float* reached = nullptr;                       ///< share that the wind reaches, of every slot; null where it reaches all
+  float variation = 0.0f;                               ///< of the flow per unit of length: adaptive quadrature goes by it
   Quadrature quadrature = Quadrature::one;
 };
 
-/// Sums over a part, of every term: force, torque about the origin, and power. In units of density/2 speed^2 area, times length, times speed.
+/// Sums over a part, of every term: force, torque about the origin, and power. In units of density/2 speed^2 area, times length, times
+/// speed.
 using TermSums = std::array<std::array<double, 7>, static_cast<std::size_t>(Term::count)>;
 void add_part(const PackedSurface& surface, const PartTask& task, TermSums& sums);
 

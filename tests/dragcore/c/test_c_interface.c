@@ -75,6 +75,48 @@ static void meshes_and_masses(void) {
   dragcore_mesh_destroy(NULL);
 }
 
+/* A cube and, three metres beside it, a sheet: each has its own law, in either precision. */
+static void bodies_and_sheets(void) {
+  dragcore_mesh *cube = NULL, *plate = NULL, *both = NULL;
+  dragcore_surface *surface = NULL, *cube_alone = NULL, *plate_alone = NULL;
+  dragcore_model model, own;
+  dragcore_motion motion = {{0}, {0}, {0}, {0}, {0}, NULL};
+  dragcore_wrench wrench, expected, part;
+  double corners[3 * (8 + 4)];
+  int indices[3 * (12 + 2)], i;
+
+  motion.wind[2] = 10.0;
+  check(dragcore_mesh_box(1, 1, 1, 1, &cube) == DRAGCORE_OK && dragcore_mesh_plate(0.5, 4, 0, 1, &plate) == DRAGCORE_OK, "two shapes");
+  check(dragcore_mesh_copy(cube, corners, indices) == DRAGCORE_OK && dragcore_mesh_copy(plate, corners + 24, indices + 36) == DRAGCORE_OK,
+        "in one pair of arrays");
+  for (i = 24; i < 36; i += 3) corners[i] += 3.0;
+  for (i = 36; i < 42; ++i) indices[i] += 8;
+  check(dragcore_mesh_create(corners, 12, indices, 14, &both) == DRAGCORE_OK &&
+            dragcore_surface_from_mesh(both, DRAGCORE_SIDES_AUTOMATIC, &surface) == DRAGCORE_OK &&
+            dragcore_surface_from_mesh(cube, DRAGCORE_SIDES_AUTOMATIC, &cube_alone) == DRAGCORE_OK &&
+            dragcore_surface_from_mesh(plate, DRAGCORE_SIDES_AUTOMATIC, &plate_alone) == DRAGCORE_OK,
+        "and as one body");
+  check(dragcore_model_for(surface, &model) == DRAGCORE_OK && model.sheets == 1 && model.precision == DRAGCORE_PRECISION_SINGLE,
+        "its model knows of sheets");
+  check(dragcore_model_for(cube_alone, &own) == DRAGCORE_OK && own.sheets == 0 &&
+            dragcore_evaluate(cube_alone, &motion, 1.2, &own, &expected) == DRAGCORE_OK,
+        "the cube alone");
+  check(dragcore_model_for(plate_alone, &own) == DRAGCORE_OK && dragcore_evaluate(plate_alone, &motion, 1.2, &own, &part) == DRAGCORE_OK,
+        "the sheet alone");
+  expected.force[2] += part.force[2];
+  for (i = 0; i < 2; ++i) {
+    model.precision = i;
+    /* The balance of energy is drawn over both together, which moves a thousandth. */
+    check(dragcore_evaluate(surface, &motion, 1.2, &model, &wrench) == DRAGCORE_OK && fabs(wrench.force[2] / expected.force[2] - 1) < 1e-3,
+          "the force is the sum of both");
+  }
+  model.precision = 2;
+  check(dragcore_evaluate(surface, &motion, 1.2, &model, &wrench) == DRAGCORE_INVALID_ARGUMENT && says("precision = 2"),
+        "there are two precisions");
+  dragcore_surface_destroy(surface), dragcore_surface_destroy(cube_alone), dragcore_surface_destroy(plate_alone);
+  dragcore_mesh_destroy(cube), dragcore_mesh_destroy(plate), dragcore_mesh_destroy(both);
+}
+
 static void winds(void) {
   const double along[3] = {4, 0, 0}, point[3] = {0, 2, 0}, identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, up[9] = {1, 0, 0, 0, 0, -1, 0, 1, 0};
   double velocity[3], gradient[9], values[6] = {0, 0, 0, 6, 0, 0}, *per_triangle, factor = -1;
@@ -340,6 +382,7 @@ int main(void) {
   }
   dragcore_surface_destroy(NULL);
   meshes_and_masses();
+  bodies_and_sheets();
   winds();
   long_messages();
   printf("%s\n", failures ? "the C interface is broken" : "the C interface holds");

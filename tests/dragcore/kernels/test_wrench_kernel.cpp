@@ -1,10 +1,9 @@
 // The kernels of Precision::single against the same sums in double precision, on every instruction set that this machine has.
 
-#include "kernels/wrench_kernel.hpp"
-
 #include <catch2/catch.hpp>
 #include <dragcore/preparation.hpp>
 
+#include "kernels/wrench_kernel.hpp"
 #include "tests/dragcore/drag/hostile.hpp"
 
 using namespace dragcore;
@@ -60,8 +59,8 @@ void check_against_double(const Surface& surface, const Motion& motion, const Mo
                      fast = wrench(surface, motion, {}, in(Precision::single, model));
   const double force = hostile::force_scale(surface, motion, Medium{}.density), torque = force * hostile::arm_scale(surface, motion);
   for (std::size_t term = 0; term < exact.terms.size(); ++term) {
-    INFO("law " << model.law.name << ", pillow " << to_string(model.pillow.form) << ", points " << static_cast<int>(model.quadrature) << ", "
-                << to_string(static_cast<Term>(term)));
+    INFO("law " << model.law.name << ", pillow " << to_string(model.pillow.form) << ", points " << static_cast<int>(model.quadrature)
+                << ", " << to_string(static_cast<Term>(term)));
     CHECK((fast.terms[term].force - exact.terms[term].force).norm() <= tolerance * force);
     CHECK((fast.terms[term].torque - exact.terms[term].torque).norm() <= tolerance * torque);
   }
@@ -147,7 +146,8 @@ TEST_CASE("what the kernels do not know is summed in double precision", "[kernel
   const Motion motion{.velocity = {-10, 1, 2}, .angular_velocity = {1, 2, 3}};
   Law changing = note_law();
   changing.windward = {0.0, 1.0, -1.5, 0.0, 0.0};  // below zero from c = 2/3
-  for (const Model& model : {Model{.pillow = {PillowForm::patch, 0.9}}, Model{.pillow = {PillowForm::triangle, 0.9}}, Model{.law = changing}}) {
+  for (const Model& model :
+       {Model{.pillow = {PillowForm::patch, 0.9}}, Model{.pillow = {PillowForm::triangle, 0.9}}, Model{.law = changing}}) {
     const Wrench exact = wrench(surface, motion, {}, in(Precision::full, model)).total(),
                  asked = wrench(surface, motion, {}, in(Precision::single, model)).total();
     CHECK(asked.force == exact.force);
@@ -170,12 +170,14 @@ TEST_CASE("the kernels stand every hard case: finite, no power gained, as in dou
     const double force = hostile::force_scale(surface, motion, Medium{}.density), torque = force * hostile::arm_scale(surface, motion);
     REQUIRE(fast.force.allFinite());
     REQUIRE(fast.torque.allFinite());
-    // Slivers turn their normals by rounding, and a triangle edge-on may fall on either side: ten times the tolerance of well shaped bodies.
+    // Slivers turn their normals by rounding, and a triangle edge-on may fall on either side: ten times the tolerance of well shaped
+    // bodies.
     CHECK((fast.force - exact.force).norm() <= 10.0 * tolerance * force);
     CHECK((fast.torque - exact.torque).norm() <= 10.0 * tolerance * torque);
     const double power = fast.force.dot(motion.velocity - motion.wind) + fast.torque.dot(motion.angular_velocity);
     if (model.effects.has(Effect::spin))  // without it the points move as if the body did not turn
-      CHECK(power <= tolerance * force * ((motion.velocity - motion.wind).norm() + motion.angular_velocity.norm() * hostile::arm_scale(surface, motion)));
+      CHECK(power <= tolerance * force *
+                         ((motion.velocity - motion.wind).norm() + motion.angular_velocity.norm() * hostile::arm_scale(surface, motion)));
   }
 }
 
@@ -195,5 +197,6 @@ TEST_CASE("the kernels work at any size and speed", "[kernels][hard]") {
   // At rest in still air, and with nothing there.
   CHECK(wrench(zoo::surface(Box{}, 2), {}, {}, in(Precision::single, model)).total().force == Vector3d::Zero());
   CHECK(wrench(Surface(TriangleMesh{}), motion, {}, in(Precision::single, model)).total().force == Vector3d::Zero());
-  CHECK_THROWS_AS(wrench(zoo::surface(Box{}, 2), Motion{.velocity = {std::nan(""), 0, 0}}, {}, in(Precision::single, model)), std::invalid_argument);
+  CHECK_THROWS_AS(wrench(zoo::surface(Box{}, 2), Motion{.velocity = {std::nan(""), 0, 0}}, {}, in(Precision::single, model)),
+                  std::invalid_argument);
 }
