@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <mutex>
+#include <numbers>
 #include <numeric>
 #include <set>
 #include <span>
@@ -270,6 +271,7 @@ class Exposer {
     int row = 0, part = 0;
     bool sheet = false;
     std::array<double, 2> weight{};  ///< of front and back; 0 where hidden
+    Eigen::Vector2d aside = Eigen::Vector2d::Zero();  ///< within the unit disc: where it looks when it looks around a direction
   };
 
   /// What the wind from one direction reaches, and by how much its neighbours in the middle of which it lies would have it wrong.
@@ -397,7 +399,12 @@ class Exposer {
                   .sheet = is_sheet(part)};
       for (std::size_t side = 0; side < 2; ++side)
         if (const int skins = layers_[first_point_[i] + static_cast<std::size_t>(k)][side]; skins > 0) point.weight[side] = 1.0 / skins;
-      if (point.weight[0] > 0.0 || point.weight[1] > 0.0) points_.push_back(point);
+      if (!(point.weight[0] > 0.0 || point.weight[1] > 0.0)) return;
+      // Evenly over the disc, and not in step with the places of the points.
+      const double number = static_cast<double>(points_.size()), radius = std::sqrt(std::fmod(0.85667488385450287 * number, 1.0)),
+                   turn = 2.0 * std::numbers::pi * std::fmod(0.73389185662712604 * number, 1.0);
+      point.aside = {radius * std::cos(turn), radius * std::sin(turn)};
+      points_.push_back(point);
     };
     if (count <= most_rows) {
       std::iota(row_.begin(), row_.end(), 0);
@@ -488,8 +495,10 @@ class Exposer {
     group(members.subspan(members.size() / 2), visit);
   }
 
+  /// @param spread  radius of a disc of directions around this one of which every point takes another
   /// @return the share of every row that a direction reaches; 255 where it faces none of it
-  Column cast(const Vector3d& direction) const {
+  Column cast(const Vector3d& direction, double spread = 0.0) const {
+    const Vector3d right = direction.unitOrthogonal(), up = direction.cross(right);
     std::vector<double> seen(rows_, 0.0), all(rows_, 0.0);
     std::array<Scene::Ray, 8> rays;
     std::array<std::pair<int, double>, 8> rows;
@@ -501,15 +510,16 @@ class Exposer {
       waiting = 0;
     };
     for (const Point& point : points_) {
-      double c = point.normal.dot(direction);
+      const double c = point.normal.dot(direction);
       // Of a sheet each direction is one side's.
       const bool back = point.sheet && c < 0.0;
       const double weight = point.weight[back ? 1 : 0];
       if (!(weight > 0.0) || (!point.sheet && c < rim_)) continue;
       const Vector3d normal = back ? Vector3d(-point.normal) : point.normal;
-      if (back) c = -c;
       all[static_cast<std::size_t>(point.row)] += weight;
-      rays[waiting] = {point.foot + point.lift * normal, lifted(direction, normal, c)};
+      Vector3d towards = direction;
+      if (spread > 0.0) towards = (direction + spread * (point.aside.x() * right + point.aside.y() * up)).normalized();
+      rays[waiting] = {point.foot + point.lift * normal, lifted(towards, normal, normal.dot(towards))};
       rows[waiting] = {point.row, weight};
       if (++waiting == rays.size()) flush();
     }
@@ -570,7 +580,27 @@ class Exposer {
     if (adapt_)
       while (refine()) {
       }
+    if (adapt_) blur();
     return true;
+  }
+
+  /// How wrong the interpolation half-way along an edge of a whole cell is, as far as is known.
+  double error_at(const Exposure::Cell& cell, const Sphere::Edge& edge) const {
+    if (const auto seen = views_.find(edge); seen != views_.end()) return seen->second.error;
+    // From what its corners put right when they were put in the middle of others: a kink's error grows with the distance.
+    double error = 0.0;
+    for (const int corner : cell.corner)
+      if (corner >= 12) {
+        const auto c = static_cast<std::size_t>(corner);
+        error = std::max(error, surplus_[c] * sphere_.length(edge) / sphere_.length(sphere_.parents()[c]));
+      }
+    return error;
+  }
+
+  template <class Visit>
+  void for_each_edge(const Visit& visit) const {
+    for (const Exposure::Cell& cell : sphere_.cells())
+      for (int k = 0; k < 3 && cell.children == 0; ++k) visit(cell, Sphere::edge(cell, k));
   }
 
   /// One round. The middles of edges are looked from where the error of the round before tells that the interpolation may be wrong, and
@@ -578,21 +608,10 @@ class Exposer {
   bool refine() {
     const double cost = 0.6 * static_cast<double>(points_.size());
     std::map<Sphere::Edge, double> expected;
-    for (const Exposure::Cell& cell : sphere_.cells()) {
-      if (cell.children > 0) continue;
-      for (int k = 0; k < 3; ++k) {
-        const Sphere::Edge edge = Sphere::edge(cell, k);
-        const double length = sphere_.length(edge);
-        if (length < 2.0 * nearest || views_.contains(edge)) continue;
-        // A kink's error grows with the distance, so of half an edge it is half.
-        double error = 0.0;
-        for (const int corner : cell.corner) {
-          const auto c = static_cast<std::size_t>(corner);
-          if (c >= 12) error = std::max(error, surplus_[c] * length / sphere_.length(sphere_.parents()[c]));
-        }
-        if (error > 0.5 * tolerance) expected[edge] = std::max(expected[edge], error);
-      }
-    }
+    for_each_edge([&](const Exposure::Cell& cell, const Sphere::Edge& edge) {
+      if (sphere_.length(edge) < 2.0 * nearest || views_.contains(edge)) return;
+      if (const double error = error_at(cell, edge); error > 0.5 * tolerance) expected[edge] = std::max(expected[edge], error);
+    });
     std::vector<Sphere::Edge> edges;
     for (const auto& [edge, error] : expected) edges.push_back(edge);
     std::stable_sort(edges.begin(), edges.end(), [&](const auto& a, const auto& b) { return expected[a] > expected[b]; });
@@ -624,21 +643,31 @@ class Exposer {
     return all;
   }
 
+  /// Where shadows are narrower than the distance of directions, what is seen along one of them says little about its surroundings, and
+  /// a force would depend on how the body happens to lie. There every direction takes the mean of its surroundings instead, as far as the
+  /// next ones: between two neighbours interpolation then makes the same of a narrow shadow wherever it falls.
+  void blur() {
+    std::vector<double> spread(columns_.size(), 0.0);
+    for_each_edge([&](const Exposure::Cell& cell, const Sphere::Edge& edge) {
+      if (error_at(cell, edge) <= tolerance) return;
+      for (const int end : {edge.first, edge.second}) {
+        double& own = spread[static_cast<std::size_t>(end)];
+        own = std::max(own, sphere_.length(edge));
+      }
+    });
+    in_parallel(columns_.size(), 16, [&](std::size_t first, std::size_t last) {
+      for (std::size_t k = first; k < last; ++k)
+        if (spread[k] > 0.0) columns_[k] = cast(sphere_.directions()[k], spread[k]);
+    });
+  }
+
   std::shared_ptr<const Exposure> made() {
     auto exposure = std::make_shared<Exposure>();
     exposure->directions = sphere_.directions();
     exposure->cells = sphere_.cells();
-    // What was looked at and found good enough; and half of what the last directions of their kind put right.
-    for (const auto& [edge, view] : views_) exposure->residual = std::max(exposure->residual, view.error);
-    for (const Exposure::Cell& cell : sphere_.cells())
-      for (int k = 0; k < 3 && cell.children == 0; ++k) {
-        const Sphere::Edge edge = Sphere::edge(cell, k);
-        if (views_.contains(edge)) continue;
-        for (const int end : {edge.first, edge.second})
-          if (end >= 12)
-            exposure->residual = std::max(exposure->residual, surplus_[static_cast<std::size_t>(end)] * sphere_.length(edge) /
-                                                                  sphere_.length(sphere_.parents()[static_cast<std::size_t>(end)]));
-      }
+    for_each_edge([&](const Exposure::Cell& cell, const Sphere::Edge& edge) {
+      exposure->residual = std::max(exposure->residual, error_at(cell, edge));
+    });
     // Rows of triangles that are left.
     std::vector<int> renumbered(rows_, -1);
     int rows = 0;
