@@ -37,7 +37,9 @@ int main(int count, char** words) {
     else
       bodies.emplace_back(words[k], read_mesh(words[k]));
   if (bodies.empty()) bodies = thin_bodies::all();
-  std::printf("| body | triangles | range | standard deviation | as given, off the mean | directions | residual | CPU s |\n|---|--:|--:|--:|--:|--:|--:|--:|\n");
+  std::printf(
+      "| body | triangles | range | standard deviation | as given, off the mean | directions | residual | CPU s "
+      "|\n|---|--:|--:|--:|--:|--:|--:|--:|\n");
   for (const auto& [name, mesh] : bodies) {
     std::mt19937 engine(1);
     std::normal_distribution<double> normal;
@@ -59,8 +61,9 @@ int main(int count, char** words) {
       if (surface.exposure) residual = std::max(residual, surface.exposure->residual);
       directions = std::max(directions, surface.exposure ? surface.exposure->directions.size() : 0);
       for (std::size_t k = 0; k < winds.size(); ++k)
-        forces[k].push_back(
-            wrench(surface, {.wind = 10.0 * R * winds[k], .reference_point = surface.centre}, {}, model_for(surface)).total().force.dot(R * winds[k]));
+        forces[k].push_back(wrench(surface, {.wind = 10.0 * R * winds[k], .reference_point = surface.centre}, {}, model_for(surface))
+                                .total()
+                                .force.dot(R * winds[k]));
     }
     double range = 0.0, deviation = 0.0, given = 0.0;
     for (const std::vector<double>& list : forces) {
@@ -72,8 +75,8 @@ int main(int count, char** words) {
       deviation = std::max(deviation, std::sqrt(square) / mean);
       given = std::max(given, std::abs(list[0] / mean - 1.0));
     }
-    std::printf("| %s | %zu | %.3f | %.3f | %.3f | %zu | %.3f | %.2f |\n", name.c_str(), mesh.triangles.size(), range, deviation, given, directions,
-                residual, seconds);
+    std::printf("| %s | %zu | %.3f | %.3f | %.3f | %zu | %.3f | %.2f |\n", name.c_str(), mesh.triangles.size(), range, deviation, given,
+                directions, residual, seconds);
     std::fflush(stdout);
   }
   return 0;

@@ -56,7 +56,8 @@ class Convexity {
       for (int e = 0; e < 3; ++e) {
         const auto uses = edges.at(i, static_cast<std::size_t>(e));
         if (uses.size() != 2) return false;
-        const Vector3i& next = triangles_[static_cast<std::size_t>(uses[0].triangle == static_cast<int>(i) ? uses[1].triangle : uses[0].triangle)];
+        const Vector3i& next =
+            triangles_[static_cast<std::size_t>(uses[0].triangle == static_cast<int>(i) ? uses[1].triangle : uses[0].triangle)];
         const int from = t[e], tip = next.sum() - from - t[(e + 1) % 3];
         if (normal.dot(at(tip) - at(from)) > tolerance_) return false;
       }

@@ -153,7 +153,8 @@ void drop_repeated(TriangleMesh& mesh, std::vector<Finding>& report) {
     std::sort(key.begin(), key.end());
     sorted.emplace_back(key, static_cast<int>(i));
   }
-  sort_by_buckets(sorted, mesh.vertices.size(), [](const auto& entry) { return entry.first[0]; }, std::less<>());
+  sort_by_buckets(
+      sorted, mesh.vertices.size(), [](const auto& entry) { return entry.first[0]; }, std::less<>());
   std::vector<bool> keep(mesh.triangles.size(), false);
   int duplicates = 0;
   double area = 0.0;

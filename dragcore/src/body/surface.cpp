@@ -337,7 +337,8 @@ void Surface::find_regions(const std::vector<Vector3i>& triangles, const EdgeTab
   const std::vector<int> component = components.labels(number);
   std::vector<int> by_component(count);
   std::iota(by_component.begin(), by_component.end(), 0);
-  sort_by_buckets(by_component, static_cast<std::size_t>(number), [&](int i) { return component[static_cast<std::size_t>(i)]; }, std::less<>());
+  sort_by_buckets(
+      by_component, static_cast<std::size_t>(number), [&](int i) { return component[static_cast<std::size_t>(i)]; }, std::less<>());
   second_moment.setZero(size(), 6);
   curvature.setZero(size(), 6);
   const auto row_of = [](const Matrix3d& m) {

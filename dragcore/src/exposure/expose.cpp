@@ -20,7 +20,7 @@
 
 #include "body/convexity.hpp"
 #include "body/edges.hpp"
-#include "exposure/sphere.hpp"
+#include "exposure/direction_sphere.hpp"
 
 namespace dragcore {
 
@@ -218,14 +218,14 @@ class Exposer {
     const auto fits = [&](std::size_t points, int directions) { return 0.6 * static_cast<double>(points * directions) <= rays_; };
     // A point that is hidden costs a ray for each of these directions, others a few.
     const std::size_t points = first_point_.back();
-    const Sphere hiding(fits(points, 642) ? 3 : fits(points, 162) ? 2 : 1);
+    const DirectionSphere hiding(fits(points, 642) ? 3 : fits(points, 162) ? 2 : 1);
     hiding_ = hiding.directions();
     rim_ = rim_of(hiding);
     // Of all directions about 0.6 are cast: those that a side faces, and a rim beyond.
     const std::size_t cast = std::min(points, 2 * most_rows);
     adapt_ = options.directions == 0 && fits(cast, 642);
     const int most = options.directions > 0 ? options.directions : fits(cast, 642) ? 642 : fits(cast, 162) ? 162 : 42;
-    sphere_ = Sphere(most == 642 ? 3 : most == 162 ? 2 : 1);
+    sphere_ = DirectionSphere(most == 642 ? 3 : most == 162 ? 2 : 1);
   }
 
   Preparation result() {
@@ -255,10 +255,10 @@ class Exposer {
   /// Points on a coarse mesh, spread by area.
   static constexpr double coarse_points = 4096.0;
   /// Triangles of which each has a row of its own; of more, neighbours share one.
-  static constexpr std::size_t most_rows = 8192;
+  static constexpr std::size_t most_rows = 4096;
   /// Error of the windward area half-way between two directions above which they get another between them [its share].
   static constexpr double tolerance = 0.02;
-  /// Directions are never nearer to each other: a body of 1 m at a distance of 1 m shelters what is a hundredth of it.
+  /// Edges below twice this are not halved: directions come no nearer to each other than about 2 degrees.
   static constexpr double nearest = 0.02;
 
   using Pairs = std::set<std::pair<int, int>>;
@@ -270,7 +270,7 @@ class Exposer {
     double lift = 0.0, area = 0.0;
     int row = 0, part = 0;
     bool sheet = false;
-    std::array<double, 2> weight{};  ///< of front and back; 0 where hidden
+    std::array<double, 2> weight{};                   ///< of front and back; 0 where hidden
     Eigen::Vector2d aside = Eigen::Vector2d::Zero();  ///< within the unit disc: where it looks when it looks around a direction
   };
 
@@ -284,11 +284,11 @@ class Exposer {
   bool is_sheet(int part) const { return prepared_.sheet[static_cast<std::size_t>(part)]; }
 
   /// Least c at which a direction is of any use to a side: farther behind it than a cell is wide it is never asked for.
-  static double rim_of(const Sphere& sphere) {
+  static double rim_of(const DirectionSphere& sphere) {
     double widest = 1.0;
     for (const Exposure::Cell& cell : sphere.cells())
       for (int k = 0; k < 3 && cell.children == 0; ++k) {
-        const auto [a, b] = Sphere::edge(cell, k);
+        const auto [a, b] = DirectionSphere::edge(cell, k);
         widest = std::min(widest, sphere.directions()[static_cast<std::size_t>(a)].dot(sphere.directions()[static_cast<std::size_t>(b)]));
       }
     return -std::sqrt(1.0 - widest * widest);
@@ -383,7 +383,7 @@ class Exposer {
     return ways == 1 && !scene_.occluded(origin + 0.37 * lift * normal.unitOrthogonal(), last);
   }
 
-  /// Rows, and the points that speak for them: all of a coarse mesh; of a fine one two for each group of neighbours that face alike.
+  /// Rows, and the points that speak for them: all of a coarse mesh; of a fine one, one for each group of neighbours that face alike.
   void spread_points() {
     const std::size_t count = areas_.size();
     row_.resize(count);
@@ -430,30 +430,25 @@ class Exposer {
       }
       grouped.push_back(own);
     }
-    std::stable_sort(grouped.begin(), grouped.end(), [&](const Grouped& a, const Grouped& b) { return part_of(a.triangle) < part_of(b.triangle); });
+    std::stable_sort(grouped.begin(), grouped.end(),
+                     [&](const Grouped& a, const Grouped& b) { return part_of(a.triangle) < part_of(b.triangle); });
     for (std::size_t first = 0; first < grouped.size();) {
       std::size_t last = first + 1;
       while (last < grouped.size() && part_of(grouped[last].triangle) == part_of(grouped[first].triangle)) ++last;
       group(std::span(grouped).subspan(first, last - first), [&](std::span<const Grouped> members, double area) {
         const int row = static_cast<int>(rows_++);
         for (const Grouped& member : members) row_[static_cast<std::size_t>(member.triangle)] = row;
-        // At a quarter and three quarters of its area, in the order of its triangles.
-        const int most = members.size() == 1 ? 2 : static_cast<int>(std::min<std::size_t>(2, members.size()));
+        // A large triangle in a row of its own keeps all of its points; of a group one speaks for all, from the middle of its area.
         double passed = 0.0;
-        int taken = 0;
-        for (const Grouped& member : members) {
-          const double before = passed;
+        const auto chosen = std::find_if(members.begin(), members.end(), [&](const Grouped& member) {
           passed += member.area;
-          const auto i = static_cast<std::size_t>(member.triangle);
-          int here = 0;
-          while (taken < most && passed >= area * (taken + 0.5) / most * (1.0 - 1e-6)) ++taken, ++here;
-          if (here == 0 || passed == before) continue;
-          const Facet facet(scene_, prepared_.mesh, i);
-          const auto n = static_cast<int>(first_point_[i + 1] - first_point_[i]);
-          // A large triangle in a row of its own keeps all of its points.
-          const int own = members.size() == 1 ? n : std::min(here, n);
-          for (int k = 0; k < own; ++k) add(i, facet, k, n, area / most * here / own);
-        }
+          return passed >= 0.5 * area;
+        });
+        const auto i = static_cast<std::size_t>(chosen == members.end() ? members.back().triangle : chosen->triangle);
+        const Facet facet(scene_, prepared_.mesh, i);
+        const auto n = static_cast<int>(first_point_[i + 1] - first_point_[i]);
+        const int own = members.size() == 1 ? n : 1;
+        for (int k = 0; k < own; ++k) add(i, facet, k, n, area / own);
       });
       first = last;
     }
@@ -480,7 +475,7 @@ class Exposer {
         high[k] = std::max(high[k], member.feature[k]);
       }
     }
-    if (members.size() == 1 || area <= 2.0 * total_area_ / static_cast<double>(most_rows)) {
+    if (members.size() == 1 || area <= total_area_ / static_cast<double>(most_rows)) {
       visit(members, area);
       return;
     }
@@ -548,7 +543,7 @@ class Exposer {
   }
 
   /// Looks from the middle of each of these edges.
-  std::vector<View> look_from(const std::vector<Sphere::Edge>& edges) {
+  std::vector<View> look_from(const std::vector<DirectionSphere::Edge>& edges) {
     std::vector<View> views(edges.size());
     in_parallel(edges.size(), 16, [&](std::size_t first, std::size_t last) {
       for (std::size_t k = first; k < last; ++k) {
@@ -568,14 +563,16 @@ class Exposer {
     in_parallel(even, 16, [&](std::size_t first, std::size_t last) {
       for (std::size_t k = first; k < last; ++k) columns_[k] = cast(sphere_.directions()[k]);
     });
-    if (std::all_of(columns_.begin(), columns_.end(),
-                    [](const Column& column) { return std::all_of(column.begin(), column.end(), [](std::uint8_t share) { return share == 255; }); }))
+    if (std::all_of(columns_.begin(), columns_.end(), [](const Column& column) {
+          return std::all_of(column.begin(), column.end(), [](std::uint8_t share) { return share == 255; });
+        }))
       return false;
     // How wrong each direction would have been without it.
     surplus_.assign(even, 0.0);
     for (std::size_t k = 12; k < even; ++k) {
       const auto [a, b] = sphere_.parents()[k];
-      surplus_[k] = error_of(sphere_.directions()[k], columns_[k], columns_[static_cast<std::size_t>(a)], columns_[static_cast<std::size_t>(b)]);
+      surplus_[k] =
+          error_of(sphere_.directions()[k], columns_[k], columns_[static_cast<std::size_t>(a)], columns_[static_cast<std::size_t>(b)]);
     }
     if (adapt_)
       while (refine()) {
@@ -585,7 +582,7 @@ class Exposer {
   }
 
   /// How wrong the interpolation half-way along an edge of a whole cell is, as far as is known.
-  double error_at(const Exposure::Cell& cell, const Sphere::Edge& edge) const {
+  double error_at(const Exposure::Cell& cell, const DirectionSphere::Edge& edge) const {
     if (const auto seen = views_.find(edge); seen != views_.end()) return seen->second.error;
     // From what its corners put right when they were put in the middle of others: a kink's error grows with the distance.
     double error = 0.0;
@@ -600,19 +597,19 @@ class Exposer {
   template <class Visit>
   void for_each_edge(const Visit& visit) const {
     for (const Exposure::Cell& cell : sphere_.cells())
-      for (int k = 0; k < 3 && cell.children == 0; ++k) visit(cell, Sphere::edge(cell, k));
+      for (int k = 0; k < 3 && cell.children == 0; ++k) visit(cell, DirectionSphere::edge(cell, k));
   }
 
   /// One round. The middles of edges are looked from where the error of the round before tells that the interpolation may be wrong, and
   /// become directions where it is. @return whether there may be more to find
   bool refine() {
     const double cost = 0.6 * static_cast<double>(points_.size());
-    std::map<Sphere::Edge, double> expected;
-    for_each_edge([&](const Exposure::Cell& cell, const Sphere::Edge& edge) {
+    std::map<DirectionSphere::Edge, double> expected;
+    for_each_edge([&](const Exposure::Cell& cell, const DirectionSphere::Edge& edge) {
       if (sphere_.length(edge) < 2.0 * nearest || views_.contains(edge)) return;
       if (const double error = error_at(cell, edge); error > 0.5 * tolerance) expected[edge] = std::max(expected[edge], error);
     });
-    std::vector<Sphere::Edge> edges;
+    std::vector<DirectionSphere::Edge> edges;
     for (const auto& [edge, error] : expected) edges.push_back(edge);
     std::stable_sort(edges.begin(), edges.end(), [&](const auto& a, const auto& b) { return expected[a] > expected[b]; });
     const double left = rays_ - cost * static_cast<double>(columns_.size() + views_.size());
@@ -621,7 +618,7 @@ class Exposer {
     if (!all) edges.resize(affordable);
 
     std::vector<View> views = look_from(edges);
-    std::set<Sphere::Edge> wrong;
+    std::set<DirectionSphere::Edge> wrong;
     for (std::size_t k = 0; k < edges.size(); ++k) {
       if (views[k].error > tolerance) wrong.insert(edges[k]);
       views_.emplace(edges[k], std::move(views[k]));
@@ -630,7 +627,7 @@ class Exposer {
     sphere_.halve(std::move(wrong));
     // Some are halved for their neighbours' sake alone, and nobody has looked from there.
     const std::size_t before = columns_.size();
-    std::vector<Sphere::Edge> others;
+    std::vector<DirectionSphere::Edge> others;
     for (std::size_t k = before; k < sphere_.directions().size(); ++k)
       if (!views_.contains(sphere_.parents()[k])) others.push_back(sphere_.parents()[k]);
     std::vector<View> more = look_from(others);
@@ -648,7 +645,7 @@ class Exposer {
   /// next ones: between two neighbours interpolation then makes the same of a narrow shadow wherever it falls.
   void blur() {
     std::vector<double> spread(columns_.size(), 0.0);
-    for_each_edge([&](const Exposure::Cell& cell, const Sphere::Edge& edge) {
+    for_each_edge([&](const Exposure::Cell& cell, const DirectionSphere::Edge& edge) {
       if (error_at(cell, edge) <= tolerance) return;
       for (const int end : {edge.first, edge.second}) {
         double& own = spread[static_cast<std::size_t>(end)];
@@ -665,7 +662,7 @@ class Exposer {
     auto exposure = std::make_shared<Exposure>();
     exposure->directions = sphere_.directions();
     exposure->cells = sphere_.cells();
-    for_each_edge([&](const Exposure::Cell& cell, const Sphere::Edge& edge) {
+    for_each_edge([&](const Exposure::Cell& cell, const DirectionSphere::Edge& edge) {
       exposure->residual = std::max(exposure->residual, error_at(cell, edge));
     });
     // Rows of triangles that are left.
@@ -800,21 +797,21 @@ class Exposer {
   std::mutex gate_;
   std::vector<double> areas_;  ///< of every triangle, scaled
   double total_area_ = 0.0;
-  std::vector<std::size_t> first_point_;                ///< of every triangle, and one past the last
-  std::vector<std::array<std::uint8_t, 2>> layers_;     ///< of every point's front and back: bodies with a skin there; 0 where hidden
-  std::vector<Vector3d> hiding_;                        ///< directions none of which reaches what is hidden
+  std::vector<std::size_t> first_point_;             ///< of every triangle, and one past the last
+  std::vector<std::array<std::uint8_t, 2>> layers_;  ///< of every point's front and back: bodies with a skin there; 0 where hidden
+  std::vector<Vector3d> hiding_;                     ///< directions none of which reaches what is hidden
   double rim_ = 0.0;
   int bodies_ = 0;
   std::vector<WettedPiece> pieces_;
   std::vector<Point> points_;
   std::vector<int> row_;  ///< of every triangle
   std::size_t rows_ = 0;
-  Sphere sphere_{0};
+  DirectionSphere sphere_{0};
   bool adapt_ = false;
-  std::vector<Column> columns_;  ///< of every direction
-  std::vector<double> surplus_;  ///< of every direction: how wrong the mean of the two it lies between was
-  std::map<Sphere::Edge, View> views_;  ///< from the middle of whole edges
-  Pairs pairs_;  ///< of parts that touch
+  std::vector<Column> columns_;                  ///< of every direction
+  std::vector<double> surplus_;                  ///< of every direction: how wrong the mean of the two it lies between was
+  std::map<DirectionSphere::Edge, View> views_;  ///< from the middle of whole edges
+  Pairs pairs_;                                  ///< of parts that touch
 };
 
 double silhouette_area(const Scene& scene, const TriangleMesh& mesh, const Vector3d& along) {

@@ -1,4 +1,4 @@
-#include "exposure/sphere.hpp"
+#include "exposure/direction_sphere.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,9 +10,9 @@ namespace dragcore {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-Sphere::Sphere(int halvings) {
+DirectionSphere::DirectionSphere(int halvings) {
   const double g = std::numbers::phi;
-  directions_ = {{-1, g, 0}, {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+  directions_ = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
                  {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
   for (Vector3d& corner : directions_) corner.normalize();
   parents_.assign(directions_.size(), {-1, -1});
@@ -31,13 +31,15 @@ Sphere::Sphere(int halvings) {
   }
 }
 
-Vector3d Sphere::middle(const Edge& edge) const { return (at(edge.first) + at(edge.second)).normalized(); }
+Vector3d DirectionSphere::middle(const Edge& edge) const { return (at(edge.first) + at(edge.second)).normalized(); }
 
-double Sphere::length(const Edge& edge) const { return (at(edge.first) - at(edge.second)).norm(); }
+double DirectionSphere::length(const Edge& edge) const { return (at(edge.first) - at(edge.second)).norm(); }
 
-Sphere::Edge Sphere::edge(const Exposure::Cell& cell, int k) { return std::minmax({cell.corner[k], cell.corner[(k + 1) % 3]}); }
+DirectionSphere::Edge DirectionSphere::edge(const Exposure::Cell& cell, int k) {
+  return std::minmax({cell.corner[k], cell.corner[(k + 1) % 3]});
+}
 
-int Sphere::longest(const Exposure::Cell& cell) const {
+int DirectionSphere::longest(const Exposure::Cell& cell) const {
   // Lengths that are equal but for rounding must rank alike in both cells: then the edge's own numbers decide.
   const auto longer = [&](int a, int b) {
     const Edge first = edge(cell, a), second = edge(cell, b);
@@ -50,7 +52,7 @@ int Sphere::longest(const Exposure::Cell& cell) const {
   return most;
 }
 
-void Sphere::halve(std::set<Edge> edges) {
+void DirectionSphere::halve(std::set<Edge> edges) {
   for (bool grown = true; grown;) {
     grown = false;
     for (const Exposure::Cell& cell : cells_) {

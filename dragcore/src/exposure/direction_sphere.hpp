@@ -9,13 +9,13 @@
 namespace dragcore {
 
 /// The sphere of directions while it is being refined: an icosahedron whose cells are cut where somebody asks for it.
-class Sphere {
+class DirectionSphere {
  public:
   /// Two directions, the lower number first.
   using Edge = std::pair<int, int>;
 
   /// An icosahedron with its edges halved this many times: 12, 42, 162, 642 directions. Midpoints of the first are the six along the axes.
-  explicit Sphere(int halvings);
+  explicit DirectionSphere(int halvings);
 
   /// Halves these edges of whole cells, and as many others as it takes to keep every corner off its neighbours' edges: a cell is halved
   /// along its longest edge before any other, so that none becomes a needle.
