@@ -98,7 +98,7 @@ struct Preparation {
 ///   6. what lies wholly inside a closed shell feels no wind and is left out.
 /// Walls that are hidden in other ways, and what stands in whose wind, take rays: dragcore::exposure.
 /// @throws std::invalid_argument  as validate(mesh)
-/// @cost   1.5 s for a million triangles
+/// @cost   0.6 s for a million triangles
 Preparation prepare(const TriangleMesh& mesh);
 
 /// A line for each finding.

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace dragcore {
@@ -87,9 +88,9 @@ Region region_from(const Row& places, const Row& normals, const Vector3d& normal
 
 }  // namespace
 
-std::vector<Region> regions_of(const std::vector<RegionFacet>& facets, bool sheet, double resolution) {
-  std::vector<Region> regions(facets.size());
-  if (facets.empty()) return regions;
+void find_regions(const std::vector<RegionFacet>& facets, bool sheet, double resolution,
+                  const std::function<void(std::size_t, const Region&)>& put) {
+  if (facets.empty()) return;
   Vector3d origin = Vector3d::Zero(), turning = Vector3d::Zero();
   double area = 0.0;
   for (const RegionFacet& facet : facets) {
@@ -105,8 +106,8 @@ std::vector<Region> regions_of(const std::vector<RegionFacet>& facets, bool shee
     for (const RegionFacet& facet : facets) sums += sums_of(facet, origin);
     Region flat = region_from(sums, sums, facets.front().normal, resolution);
     flat.curvature.setZero();
-    std::fill(regions.begin(), regions.end(), flat);
-    return regions;
+    for (std::size_t i = 0; i < facets.size(); ++i) put(i, flat);
+    return;
   }
 
   // Many facets at a time: products of matrices keep in registers what products of vectors carry to and from memory.
@@ -139,10 +140,9 @@ std::vector<Region> regions_of(const std::vector<RegionFacet>& facets, bool shee
     }
     for (Eigen::Index k = 0; k < n; ++k) {
       const auto i = static_cast<std::size_t>(first + k);
-      regions[i] = region_from(own.row(k), sheet ? by_odd.row(k) : own.row(k), facets[i].normal, resolution);
+      put(i, region_from(own.row(k), sheet ? by_odd.row(k) : own.row(k), facets[i].normal, resolution));
     }
   }
-  return regions;
 }
 
 }  // namespace dragcore

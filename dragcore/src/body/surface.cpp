@@ -353,12 +353,12 @@ void Surface::find_regions(const std::vector<Vector3i>& triangles, const EdgeTab
       facets.push_back({normal.row(i).matrix(), centroid.row(i).matrix(), edge_ab.row(i).matrix(), edge_ac.row(i).matrix(), area[i]});
     }
     const Part& owner = parts[static_cast<std::size_t>(part[at])];
-    const std::vector<Region> regions = regions_of(facets, owner.two_sided, 1e-3 * owner.radius);
-    for (const Region& region : regions) {
-      const int i = by_component[first++];
+    dragcore::find_regions(facets, owner.two_sided, 1e-3 * owner.radius, [&](std::size_t k, const Region& region) {
+      const int i = by_component[first + k];
       second_moment.row(i) = row_of(region.second_moment);
       curvature.row(i) = row_of(region.curvature);
-    }
+    });
+    first += facets.size();
   }
 }
 

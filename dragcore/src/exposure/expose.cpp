@@ -215,17 +215,20 @@ class Exposer {
       first_point_.push_back(first_point_.back() + static_cast<std::size_t>(points));
     }
     bodies_ = static_cast<int>(std::count(prepared_.sheet.begin(), prepared_.sheet.end(), false));
-    const auto fits = [&](std::size_t points, int directions) { return 0.6 * static_cast<double>(points * directions) <= rays_; };
+    // Of all directions about 0.6 are cast: those that a side faces, and a rim beyond.
+    const auto halvings_for = [&](std::size_t points) {
+      const auto fits = [&](double directions) { return 0.6 * directions * static_cast<double>(points) <= rays_; };
+      return fits(642) ? 3 : fits(162) ? 2 : 1;
+    };
     // A point that is hidden costs a ray for each of these directions, others a few.
     const std::size_t points = first_point_.back();
-    const DirectionSphere hiding(fits(points, 642) ? 3 : fits(points, 162) ? 2 : 1);
+    const DirectionSphere hiding(halvings_for(points));
     hiding_ = hiding.directions();
     rim_ = rim_of(hiding);
-    // Of all directions about 0.6 are cast: those that a side faces, and a rim beyond.
-    const std::size_t cast = std::min(points, 2 * most_rows);
-    adapt_ = options.directions == 0 && fits(cast, 642);
-    const int most = options.directions > 0 ? options.directions : fits(cast, 642) ? 642 : fits(cast, 162) ? 162 : 42;
-    sphere_ = DirectionSphere(most == 642 ? 3 : most == 162 ? 2 : 1);
+    int halvings = options.directions == 642 ? 3 : options.directions == 162 ? 2 : 1;
+    if (options.directions == 0) halvings = halvings_for(std::min(points, 2 * most_rows));
+    sphere_ = DirectionSphere(halvings);
+    adapt_ = options.directions == 0 && halvings == 3;
   }
 
   Preparation result() {
