@@ -68,7 +68,7 @@ class Surface {
   std::vector<int> patch;  ///< index into `patches` of every triangle
   std::vector<Patch> patches;
   Sides sides = Sides::one;                  ///< `one` or `two` where that holds for all parts, else `automatic`
-  std::shared_ptr<const Exposure> exposure;  ///< who stands in whose wind, rows as the triangles; null where nothing does, or nobody looked
+  std::shared_ptr<const Exposure> exposure;  ///< who stands in whose wind; null where nothing does, or nobody looked
   bool exposed = false;                      ///< somebody looked: expose()
   bool convex = false;                       ///< nothing can stand in anything's wind: one closed convex body, or one flat sheet
   std::vector<Finding> report;               ///< of the preparation
@@ -85,7 +85,6 @@ class Surface {
   void build(const Preparation& preparation);
   using Triangles = std::vector<Eigen::Vector3i>;
   using Vertices = std::vector<Eigen::Vector3d>;
-  void find_convexity(const Triangles& triangles, const Vertices& vertices, const EdgeTable& edges);
   void find_patches(const Triangles& triangles, const Vertices& vertices, const EdgeTable& edges);
   void find_parts();
   void find_classes();

@@ -5,27 +5,30 @@ namespace dragcore {
 
 Exposure::Sample Exposure::towards(const Eigen::Vector3d& direction) const {
   Sample best;
-  double largest = -1.0;
-  const auto try_cell = [&](const Eigen::Vector3i& cell) {
-    Eigen::Matrix3d corners;
-    for (int k = 0; k < 3; ++k) corners.col(k) = directions[static_cast<std::size_t>(cell[k])];
-    const Eigen::Vector3d weight = corners.inverse() * direction;
-    const double sum = weight.sum();
-    // On the far side of the sphere the cell has negative weights; on an edge two cells agree, and rounding may leave either a hair
-    // outside.
-    if (sum > 0.0 && weight.minCoeff() / sum > largest) {
-      largest = weight.minCoeff() / sum;
-      best = {cell, weight.cwiseMax(0.0) / weight.cwiseMax(0.0).sum()};
+  // Of cells that follow each other the one that holds the direction, or -1. On the far side of the sphere a cell has negative weights; on
+  // an edge two cells agree, and rounding may leave either a hair outside.
+  const auto holding = [&](int first, int count) {
+    int found = -1;
+    double largest = 0.0;
+    for (int k = first; k < first + count; ++k) {
+      const Eigen::Vector3i& cell = cells[static_cast<std::size_t>(k)].corner;
+      Eigen::Matrix3d corners;
+      for (int c = 0; c < 3; ++c) corners.col(c) = directions[static_cast<std::size_t>(cell[c])];
+      const Eigen::Vector3d weight = corners.inverse() * direction;
+      const double sum = weight.sum();
+      if (!(sum > 0.0)) continue;
+      if (const double own = weight.minCoeff() / sum; found < 0 || own > largest) {
+        largest = own;
+        found = k;
+        best = {cell, weight.cwiseMax(0.0) / weight.cwiseMax(0.0).sum()};
+      }
     }
+    return found;
   };
-  // Nearly always one of the cells at the nearest corner: a product per corner costs a fiftieth of an inverse per cell.
-  std::size_t nearest = 0;
-  double cosine = -2.0;
-  for (std::size_t k = 0; k < directions.size(); ++k)
-    if (const double own = directions[k].dot(direction); own > cosine) cosine = own, nearest = k;
-  for (const Eigen::Vector3i& cell : cells)
-    if ((cell.array() == static_cast<int>(nearest)).any()) try_cell(cell);
-  for (std::size_t k = 0; k < cells.size() && largest < 0.0; ++k) try_cell(cells[k]);
+  for (int at = holding(0, 20); at >= 0 && cells[static_cast<std::size_t>(at)].children > 0;) {
+    const Cell& cut = cells[static_cast<std::size_t>(at)];
+    at = holding(cut.child, cut.children);
+  }
   return best;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <dragcore/preparation.hpp>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <sstream>
@@ -142,6 +143,7 @@ void weld(TriangleMesh& mesh, std::vector<Finding>& report) {
 /// Leaves out triangles with a repeated corner, and all but the first of those with the same three corners.
 void drop_repeated(TriangleMesh& mesh, std::vector<Finding>& report) {
   std::vector<std::pair<std::array<int, 3>, int>> sorted;
+  sorted.reserve(mesh.triangles.size());
   int degenerate = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Vector3i& t = mesh.triangles[i];
@@ -151,7 +153,8 @@ void drop_repeated(TriangleMesh& mesh, std::vector<Finding>& report) {
     std::sort(key.begin(), key.end());
     sorted.emplace_back(key, static_cast<int>(i));
   }
-  std::sort(sorted.begin(), sorted.end());
+  sort_by_buckets(
+      sorted, mesh.vertices.size(), [](const auto& entry) { return entry.first[0]; }, std::less<>());
   std::vector<bool> keep(mesh.triangles.size(), false);
   int duplicates = 0;
   double area = 0.0;
@@ -381,14 +384,15 @@ class Preparer {
           shell.triangles.push_back(link.neighbour);
         }
       }
-      std::sort(shell.triangles.begin(), shell.triangles.end());
       const bool most = turned_area > 0.5 * shell.area;
       for (const int t : shell.triangles)
         if ((turned[static_cast<std::size_t>(t)] != 0) != most) turn(t);
       reversed += most ? static_cast<int>(shell.triangles.size()) - turned_count : turned_count;
       reversed_area += most ? shell.area - turned_area : turned_area;
+      shell.triangles.clear();
       shells_.push_back(std::move(shell));
     }
+    for (std::size_t t = 0; t < count; ++t) shells_[static_cast<std::size_t>(shell_of_[t])].triangles.push_back(static_cast<int>(t));
     if (reversed > 0)
       report_.push_back({Finding::Kind::reversed, reversed, reversed_area,
                          plural(reversed, "triangle") + " (" + number(reversed_area) + " m^2) wound against their neighbours: turned"});

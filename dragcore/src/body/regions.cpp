@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace dragcore {
@@ -86,9 +88,9 @@ Region region_from(const Row& places, const Row& normals, const Vector3d& normal
 
 }  // namespace
 
-std::vector<Region> regions_of(const std::vector<RegionFacet>& facets, bool sheet, double resolution) {
-  std::vector<Region> regions(facets.size());
-  if (facets.empty()) return regions;
+void find_regions(const std::vector<RegionFacet>& facets, bool sheet, double resolution,
+                  const std::function<void(std::size_t, const Region&)>& put) {
+  if (facets.empty()) return;
   Vector3d origin = Vector3d::Zero(), turning = Vector3d::Zero();
   double area = 0.0;
   for (const RegionFacet& facet : facets) {
@@ -104,23 +106,43 @@ std::vector<Region> regions_of(const std::vector<RegionFacet>& facets, bool shee
     for (const RegionFacet& facet : facets) sums += sums_of(facet, origin);
     Region flat = region_from(sums, sums, facets.front().normal, resolution);
     flat.curvature.setZero();
-    std::fill(regions.begin(), regions.end(), flat);
-    return regions;
+    for (std::size_t i = 0; i < facets.size(); ++i) put(i, flat);
+    return;
   }
 
+  // Many facets at a time: products of matrices keep in registers what products of vectors carry to and from memory.
+  constexpr Eigen::Index block = 64;
+  const auto count = static_cast<Eigen::Index>(facets.size());
+  Eigen::Matrix<double, both, Eigen::Dynamic, Eigen::ColMajor, both, block> weights;
+  Eigen::Matrix<double, Eigen::Dynamic, columns, Eigen::RowMajor, block, columns> own;
+  const auto take = [&](Eigen::Index first) {
+    const Eigen::Index n = std::min(block, count - first);
+    weights.resize(both, n);
+    for (Eigen::Index k = 0; k < n; ++k) weights.col(k) = basis(facets[static_cast<std::size_t>(first + k)].normal);
+    own.resize(n, columns);
+    return n;
+  };
   Sums sums = Sums::Zero();
-  for (const RegionFacet& facet : facets) sums += basis(facet.normal) * sums_of(facet, origin);
-  for (std::size_t i = 0; i < facets.size(); ++i) {
-    const Basis weight = basis(facets[i].normal);
-    const Row by_even = weight.head<even>().transpose() * sums.topRows<even>();
-    const Row by_odd = weight.tail<both - even>().transpose() * sums.bottomRows<both - even>();
-    // Across a sheet whose triangles are wound either way the odd power gives every normal the sign of this one.
-    if (sheet)
-      regions[i] = region_from(by_even, by_odd, facets[i].normal, resolution);
-    else
-      regions[i] = region_from(0.5 * (by_even + by_odd), 0.5 * (by_even + by_odd), facets[i].normal, resolution);
+  for (Eigen::Index first = 0; first < count; first += block) {
+    const Eigen::Index n = take(first);
+    for (Eigen::Index k = 0; k < n; ++k) own.row(k) = sums_of(facets[static_cast<std::size_t>(first + k)], origin);
+    sums.noalias() += weights * own;
   }
-  return regions;
+  auto by_odd = own;
+  for (Eigen::Index first = 0; first < count; first += block) {
+    const Eigen::Index n = take(first);
+    // Across a sheet whose triangles are wound either way the odd power gives every normal the sign of this one.
+    if (sheet) {
+      own.noalias() = weights.topRows<even>().transpose() * sums.topRows<even>();
+      by_odd.noalias() = weights.bottomRows<both - even>().transpose() * sums.bottomRows<both - even>();
+    } else {
+      own.noalias() = 0.5 * (weights.transpose() * sums);
+    }
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const auto i = static_cast<std::size_t>(first + k);
+      put(i, region_from(own.row(k), sheet ? by_odd.row(k) : own.row(k), facets[i].normal, resolution));
+    }
+  }
 }
 
 }  // namespace dragcore

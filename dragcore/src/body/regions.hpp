@@ -1,7 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
+#include <functional>
 #include <vector>
 
 namespace dragcore {
@@ -32,6 +32,8 @@ struct Region {
 /// does not average out.
 ///
 /// @param resolution  lengths below which nothing is called curved [m]
-std::vector<Region> regions_of(const std::vector<RegionFacet>& facets, bool sheet, double resolution);
+/// @param put         called with the number of every facet and its region, in their order: all at once would be 150 bytes each
+void find_regions(const std::vector<RegionFacet>& facets, bool sheet, double resolution,
+                  const std::function<void(std::size_t, const Region&)>& put);
 
 }  // namespace dragcore

@@ -4,11 +4,14 @@
 #include <array>
 #include <cmath>
 #include <dragcore/surface.hpp>
+#include <functional>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
+#include "body/convexity.hpp"
 #include "body/edges.hpp"
 #include "body/extents.hpp"
 #include "body/pack.hpp"
@@ -46,6 +49,13 @@ using Segment = std::pair<Vector3d, Vector3d>;
 
 /// Joins the boundary segments of a patch that continue each other in a straight line, so that an outline has corners only.
 std::vector<Segment> straightened(const std::vector<std::pair<int, int>>& boundary, const std::vector<Vector3d>& vertices) {
+  const auto as_it_is = [&] {
+    std::vector<Segment> outline;
+    outline.reserve(boundary.size());
+    for (const auto& [from, to] : boundary) outline.emplace_back(vertices[from], vertices[to]);
+    return outline;
+  };
+  if (boundary.size() == 3) return as_it_is();  // a triangle: of a fine round mesh nearly every patch
   std::map<int, std::vector<int>> next, previous;
   for (const auto& [from, to] : boundary) {
     next[from].push_back(to);
@@ -65,10 +75,7 @@ std::vector<Segment> straightened(const std::vector<std::pair<int, int>>& bounda
     while (straight[end]) end = next[end][0];
     outline.emplace_back(vertices[from], vertices[end]);
   }
-  if (outline.size() < 3) {  // of a needle of 1 : 1e9 and more nothing would be left
-    outline.clear();
-    for (const auto& [from, to] : boundary) outline.emplace_back(vertices[from], vertices[to]);
-  }
+  if (outline.size() < 3) return as_it_is();  // of a needle of 1 : 1e9 and more nothing would be left
   return outline;
 }
 
@@ -169,7 +176,7 @@ void Surface::build(const Preparation& preparation) {
     back[i] = parts[static_cast<std::size_t>(part[static_cast<std::size_t>(i)])].two_sided ? 1.0 : 0.0;
   }
   const EdgeTable edges(triangles);
-  find_convexity(triangles, vertices, edges);
+  convex = parts.size() == 1 && is_convex(triangles, vertices, parts[0].two_sided, &edges);
 
   // Of a triangle that is covered in part the rest is taken as a smaller one of its shape, in the middle of that rest.
   if (!preparation.wetted.empty())
@@ -190,10 +197,13 @@ void Surface::build(const Preparation& preparation) {
       centroid.row(i) = piece.centroid.array();
     }
   if (preparation.exposure) {
-    auto kept = std::make_shared<Exposure>(*preparation.exposure);
-    for (Eigen::Index i = 0; i < count; ++i) kept->reached.row(i) = preparation.exposure->reached.row(source[static_cast<std::size_t>(i)]);
-    kept->reached.conservativeResize(count, Eigen::NoChange);
-    exposure = std::move(kept);
+    exposure = preparation.exposure;
+    if (source.size() < preparation.mesh.triangles.size()) {
+      auto kept = std::make_shared<Exposure>(*preparation.exposure);
+      for (std::size_t i = 0; i < source.size(); ++i) kept->row[i] = preparation.exposure->row[static_cast<std::size_t>(source[i])];
+      kept->row.resize(source.size());
+      exposure = std::move(kept);
+    }
   }
 
   find_patches(triangles, vertices, edges);
@@ -212,64 +222,19 @@ void Surface::find_classes() {
   body_class = std::max_element(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.area < b.area; })->body_class;
 }
 
-/// Closed, one part, and neither a neighbour nor the outermost corners in any direction rise above a triangle's plane by more than a
-/// thousandth of the size; or a flat sheet. Neighbours alone would call every fine mesh convex: over a short edge nothing rises far.
-void Surface::find_convexity(const std::vector<Vector3i>& triangles, const std::vector<Vector3d>& vertices, const EdgeTable& edges) {
-  convex = parts.size() == 1 && !triangles.empty();
-  if (!convex) return;
-  Vector3d low = vertices[triangles[0][0]], high = low;
-  for (const Vector3i& t : triangles)
-    for (const int corner : t) low = low.cwiseMin(vertices[corner]), high = high.cwiseMax(vertices[corner]);
-  const double tolerance = 1e-3 * (high - low).norm();
-  if (parts[0].two_sided) {
-    for (const Vector3i& t : triangles)
-      for (const int corner : t)
-        if (std::abs(normal.row(0).matrix().dot((vertices[corner] - vertices[triangles[0][0]]).transpose())) > tolerance) convex = false;
-    return;
-  }
-  for (std::size_t i = 0; i < triangles.size() && convex; ++i)
-    for (std::size_t e = 0; e < 3; ++e) {
-      const auto uses = edges.at(i, e);
-      if (uses.size() != 2) {
-        convex = false;
-        break;
-      }
-      const int other = uses[0].triangle == static_cast<int>(i) ? uses[1].triangle : uses[0].triangle;
-      const Vector3i &t = triangles[i], &next = triangles[static_cast<std::size_t>(other)];
-      const int from = t[static_cast<Eigen::Index>(e)], to = t[static_cast<Eigen::Index>((e + 1) % 3)];
-      const int tip = next[0] + next[1] + next[2] - from - to;
-      if (normal.row(static_cast<Eigen::Index>(i)).matrix().dot((vertices[tip] - vertices[from]).transpose()) > tolerance) convex = false;
-    }
-  if (!convex) return;
-  // Of fine meshes every so many triangles: a dent has many of them, and a surface is made in no more time than before.
-  const std::size_t stride = 1 + triangles.size() / 20000;
-  constexpr int directions = 200;
-  for (int k = 0; k < directions; ++k) {  // a spiral from pole to pole
-    const double z = (2.0 * k + 1.0) / directions - 1.0, r = std::sqrt(1.0 - z * z), turn = 2.399963229728653 * k;
-    const Vector3d direction(r * std::cos(turn), r * std::sin(turn), z);
-    Vector3d outermost = vertices[triangles[0][0]];
-    for (std::size_t i = 0; i < triangles.size(); i += stride)
-      for (const int corner : triangles[i])
-        if (direction.dot(vertices[corner] - outermost) > 0.0) outermost = vertices[corner];
-    for (std::size_t i = 0; i < triangles.size(); i += stride)
-      if (normal.row(static_cast<Eigen::Index>(i)).matrix().dot((outermost - vertices[triangles[i][0]]).transpose()) > tolerance) {
-        convex = false;
-        return;
-      }
-  }
-}
-
 /// Floods each patch from its first triangle. A sheet has no outside: its triangles may be wound either way, `turn` is -1 where it is
 /// against the first's.
 void Surface::find_patches(const std::vector<Vector3i>& triangles, const std::vector<Vector3d>& vertices, const EdgeTable& edges) {
   const Eigen::Index count = size();
   patch.assign(static_cast<std::size_t>(count), -1);
-  std::vector<int> turn(static_cast<std::size_t>(count), 1);
+  std::vector<int> turn(static_cast<std::size_t>(count), 1), members;
+  std::vector<std::array<int, 3>> directed;  // edges, lower end first, and which way they are run through
+  std::vector<std::pair<int, int>> boundary;
   for (Eigen::Index first = 0; first < count; ++first) {
     if (patch[static_cast<std::size_t>(first)] >= 0) continue;
     const int id = static_cast<int>(patches.size());
     const Vector3d plane = normal.row(first).matrix();
-    std::vector<int> members{static_cast<int>(first)};
+    members = {static_cast<int>(first)};
     patch[static_cast<std::size_t>(first)] = id;
     for (std::size_t k = 0; k < members.size(); ++k) {
       const Vector3i& t = triangles[static_cast<std::size_t>(members[k])];
@@ -292,7 +257,7 @@ void Surface::find_patches(const std::vector<Vector3i>& triangles, const std::ve
 
     Patch p{.part = part[static_cast<std::size_t>(first)]};
     Vector3d area_vector = Vector3d::Zero(), moment = Vector3d::Zero();
-    std::vector<std::array<int, 3>> directed;  // edges, lower end first, and which way they are run through
+    directed.clear();
     for (const int i : members) {
       const auto t = static_cast<std::size_t>(i);
       p.area += area[i];
@@ -305,7 +270,7 @@ void Surface::find_patches(const std::vector<Vector3i>& triangles, const std::ve
     }
     // Edges minus their reverses: what is left is the boundary, repeated where triangles are.
     std::sort(directed.begin(), directed.end());
-    std::vector<std::pair<int, int>> boundary;
+    boundary.clear();
     for (std::size_t k = 0; k < directed.size();) {
       const int low = directed[k][0], high = directed[k][1];
       int times = 0;
@@ -376,23 +341,30 @@ void Surface::find_regions(const std::vector<Vector3i>& triangles, const EdgeTab
     }
   int number = 0;
   const std::vector<int> component = components.labels(number);
-  std::vector<std::vector<int>> members(static_cast<std::size_t>(number));
-  for (std::size_t i = 0; i < count; ++i) members[static_cast<std::size_t>(component[i])].push_back(static_cast<int>(i));
+  std::vector<int> by_component(count);
+  std::iota(by_component.begin(), by_component.end(), 0);
+  sort_by_buckets(
+      by_component, static_cast<std::size_t>(number), [&](int i) { return component[static_cast<std::size_t>(i)]; }, std::less<>());
   second_moment.setZero(size(), 6);
   curvature.setZero(size(), 6);
   const auto row_of = [](const Matrix3d& m) {
     return (Eigen::Array<double, 1, 6>() << m(0, 0), m(0, 1), m(0, 2), m(1, 1), m(1, 2), m(2, 2)).finished();
   };
-  for (const std::vector<int>& component_members : members) {
-    std::vector<RegionFacet> facets;
-    for (const int i : component_members)
+  std::vector<RegionFacet> facets;
+  for (std::size_t first = 0; first < count;) {
+    facets.clear();
+    const auto at = static_cast<std::size_t>(by_component[first]);
+    for (std::size_t k = first; k < count && component[static_cast<std::size_t>(by_component[k])] == component[at]; ++k) {
+      const int i = by_component[k];
       facets.push_back({normal.row(i).matrix(), centroid.row(i).matrix(), edge_ab.row(i).matrix(), edge_ac.row(i).matrix(), area[i]});
-    const Part& owner = parts[static_cast<std::size_t>(part[static_cast<std::size_t>(component_members.front())])];
-    const std::vector<Region> regions = regions_of(facets, owner.two_sided, 1e-3 * owner.radius);
-    for (std::size_t k = 0; k < component_members.size(); ++k) {
-      second_moment.row(component_members[k]) = row_of(regions[k].second_moment);
-      curvature.row(component_members[k]) = row_of(regions[k].curvature);
     }
+    const Part& owner = parts[static_cast<std::size_t>(part[at])];
+    dragcore::find_regions(facets, owner.two_sided, 1e-3 * owner.radius, [&](std::size_t k, const Region& region) {
+      const int i = by_component[first + k];
+      second_moment.row(i) = row_of(region.second_moment);
+      curvature.row(i) = row_of(region.curvature);
+    });
+    first += facets.size();
   }
 }
 

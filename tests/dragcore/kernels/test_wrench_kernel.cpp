@@ -1,10 +1,11 @@
 // The kernels of Precision::single against the same sums in double precision, on every instruction set that this machine has.
 
 #include <catch2/catch.hpp>
-#include <dragcore/preparation.hpp>
+#include <dragcore/expose.hpp>
 
 #include "kernels/wrench_kernel.hpp"
 #include "tests/dragcore/drag/hostile.hpp"
+#include "tests/support/meshes.hpp"
 
 using namespace dragcore;
 using Eigen::Vector3d;
@@ -70,28 +71,13 @@ void check_against_double(const Surface& surface, const Motion& motion, const Mo
 Surface three_parts() {
   const TriangleMesh box = triangulate(Box{.length = 1.0, .width = 0.7, .height = 0.5}, 3), cone = triangulate(Cone{}, 2),
                      sheet = triangulate(Plate{.chord = 0.5, .span = 2.0, .thickness = 0.0}, 3);
-  TriangleMesh all = box;
-  for (const auto& [mesh, place] : {std::pair(cone, Vector3d(0, 3, 0)), std::pair(sheet, Vector3d(3, 0, 0))}) {
-    const auto first = static_cast<int>(all.vertices.size());
-    for (const Vector3d& corner : mesh.vertices) all.vertices.push_back(corner + place);
-    for (const Eigen::Vector3i& t : mesh.triangles) all.triangles.emplace_back(t + Eigen::Vector3i::Constant(first));
-  }
-  return Surface(all);
+  return Surface(support::together({box, support::moved(cone, {0, 3, 0}), support::moved(sheet, {3, 0, 0})}));
 }
 
-/// With a share of the wind for every triangle and direction: of no body that there is, but of no symmetry either.
+/// A box in the lee of another, at an angle: rays say what the wind reaches.
 Surface sheltered(zoo::Random& random) {
-  Preparation body = prepare(triangulate(Box{.length = 2.0}, 3));
-  auto exposure = std::make_shared<Exposure>();
-  exposure->directions = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  for (const int x : {0, 1})
-    for (const int y : {2, 3})
-      for (const int z : {4, 5}) exposure->cells.emplace_back(x, y, z);
-  exposure->reached.resize(static_cast<Eigen::Index>(body.mesh.triangles.size()), 6);
-  for (auto& share : exposure->reached.reshaped()) share = static_cast<std::uint8_t>(random.uniform(0.0, 255.0));
-  body.exposure = exposure;
-  body.exposed = true;
-  return Surface(body);
+  const TriangleMesh front = triangulate(Box{.length = 1.0, .width = 0.8, .height = 0.6}, 3);
+  return Surface(expose(prepare(support::together({front, transformed(front, random.rotation(), {1.4, 0.2, 0.1})}))));
 }
 
 }  // namespace
