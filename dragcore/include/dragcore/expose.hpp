@@ -11,7 +11,7 @@ namespace dragcore {
 struct ExposeOptions {
   /// Corners of the sphere of directions: 42, 162 or 642, evenly spread; 0 takes 642 and adds to them where shadows change fast.
   int directions = 0;
-  double rays = 4e6;  ///< about as many look from directions, fewer of which are taken where they would cost more
+  double rays = 6e6;  ///< about as many look from directions, fewer of which are taken where they would cost more
   int threads = 0;    ///< 0: as many as the machine has cores. The result does not depend on it
 };
 

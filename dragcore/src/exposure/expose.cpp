@@ -9,7 +9,6 @@
 #include <limits>
 #include <map>
 #include <mutex>
-#include <numbers>
 #include <numeric>
 #include <set>
 #include <span>
@@ -261,8 +260,8 @@ class Exposer {
   static constexpr std::size_t most_rows = 4096;
   /// Error of the windward area half-way between two directions above which they get another between them [its share].
   static constexpr double tolerance = 0.02;
-  /// Edges below twice this are not halved: directions come no nearer to each other than about 2 degrees.
-  static constexpr double nearest = 0.02;
+  /// Edges below twice this are not halved: directions come no nearer to each other than about 1 degree.
+  static constexpr double nearest = 0.01;
 
   using Pairs = std::set<std::pair<int, int>>;
   using Column = std::vector<std::uint8_t>;  ///< share of every row from one direction, 0 to 255
@@ -273,8 +272,7 @@ class Exposer {
     double lift = 0.0, area = 0.0;
     int row = 0, part = 0;
     bool sheet = false;
-    std::array<double, 2> weight{};                   ///< of front and back; 0 where hidden
-    Eigen::Vector2d aside = Eigen::Vector2d::Zero();  ///< within the unit disc: where it looks when it looks around a direction
+    std::array<double, 2> weight{};  ///< of front and back; 0 where hidden
   };
 
   /// What the wind from one direction reaches, and by how much its neighbours in the middle of which it lies would have it wrong.
@@ -402,12 +400,7 @@ class Exposer {
                   .sheet = is_sheet(part)};
       for (std::size_t side = 0; side < 2; ++side)
         if (const int skins = layers_[first_point_[i] + static_cast<std::size_t>(k)][side]; skins > 0) point.weight[side] = 1.0 / skins;
-      if (!(point.weight[0] > 0.0 || point.weight[1] > 0.0)) return;
-      // Evenly over the disc, and not in step with the places of the points.
-      const double number = static_cast<double>(points_.size()), radius = std::sqrt(std::fmod(0.85667488385450287 * number, 1.0)),
-                   turn = 2.0 * std::numbers::pi * std::fmod(0.73389185662712604 * number, 1.0);
-      point.aside = {radius * std::cos(turn), radius * std::sin(turn)};
-      points_.push_back(point);
+      if (point.weight[0] > 0.0 || point.weight[1] > 0.0) points_.push_back(point);
     };
     if (count <= most_rows) {
       std::iota(row_.begin(), row_.end(), 0);
@@ -493,10 +486,8 @@ class Exposer {
     group(members.subspan(members.size() / 2), visit);
   }
 
-  /// @param spread  radius of a disc of directions around this one of which every point takes another
   /// @return the share of every row that a direction reaches; 255 where it faces none of it
-  Column cast(const Vector3d& direction, double spread = 0.0) const {
-    const Vector3d right = direction.unitOrthogonal(), up = direction.cross(right);
+  Column cast(const Vector3d& direction) const {
     std::vector<double> seen(rows_, 0.0), all(rows_, 0.0);
     std::array<Scene::Ray, 8> rays;
     std::array<std::pair<int, double>, 8> rows;
@@ -515,9 +506,7 @@ class Exposer {
       if (!(weight > 0.0) || (!point.sheet && c < rim_)) continue;
       const Vector3d normal = back ? Vector3d(-point.normal) : point.normal;
       all[static_cast<std::size_t>(point.row)] += weight;
-      Vector3d towards = direction;
-      if (spread > 0.0) towards = (direction + spread * (point.aside.x() * right + point.aside.y() * up)).normalized();
-      rays[waiting] = {point.foot + point.lift * normal, lifted(towards, normal, normal.dot(towards))};
+      rays[waiting] = {point.foot + point.lift * normal, lifted(direction, normal, back ? -c : c)};
       rows[waiting] = {point.row, weight};
       if (++waiting == rays.size()) flush();
     }
@@ -580,7 +569,6 @@ class Exposer {
     if (adapt_)
       while (refine()) {
       }
-    if (adapt_) blur();
     return true;
   }
 
@@ -641,24 +629,6 @@ class Exposer {
       surplus_.push_back(node.mapped().error);
     }
     return all;
-  }
-
-  /// Where shadows are narrower than the distance of directions, what is seen along one of them says little about its surroundings, and
-  /// a force would depend on how the body happens to lie. There every direction takes the mean of its surroundings instead, as far as the
-  /// next ones: between two neighbours interpolation then makes the same of a narrow shadow wherever it falls.
-  void blur() {
-    std::vector<double> spread(columns_.size(), 0.0);
-    for_each_edge([&](const Exposure::Cell& cell, const DirectionSphere::Edge& edge) {
-      if (error_at(cell, edge) <= tolerance) return;
-      for (const int end : {edge.first, edge.second}) {
-        double& own = spread[static_cast<std::size_t>(end)];
-        own = std::max(own, sphere_.length(edge));
-      }
-    });
-    in_parallel(columns_.size(), 16, [&](std::size_t first, std::size_t last) {
-      for (std::size_t k = first; k < last; ++k)
-        if (spread[k] > 0.0) columns_[k] = cast(sphere_.directions()[k], spread[k]);
-    });
   }
 
   std::shared_ptr<const Exposure> made() {
