@@ -63,6 +63,7 @@ std::string ModelChoice::pillow_label() const {
 dragcore::Model ModelChoice::on(const dragcore::Surface& surface) const {
   if (!by_class) return model;
   dragcore::Model chosen = dragcore::model_for(surface);
+  chosen.precision = model.precision;  // double unless asked for: tables are of the model's error, not of rounding
   chosen.quadrature = model.quadrature;
   chosen.effects = model.effects;
   if (pillow_by_class) return chosen;
