@@ -146,6 +146,23 @@ void Lanes::add_to(double (&sums)[rows][PackedSurface::lanes]) const {
   add(sums[6], power);
 }
 
+/// Which groups of 16 triangles of a block have anything to do with one side.
+class Groups {
+ public:
+  void clear() { count_ = 0; }
+  void add(std::size_t first) { first_[count_++] = first; }
+  template <class Pass>
+  HWY_INLINE void for_each(Pass&& pass) const {
+    for (std::size_t i = 0, count = count_; i < count; ++i)
+      for (std::size_t k = first_[i]; k < first_[i] + PackedSurface::lanes; k += width) pass(k);
+  }
+  const std::size_t* begin() const { return first_; }
+  const std::size_t* end() const { return first_ + count_; }
+
+ private:
+  std::size_t count_ = 0, first_[block / PackedSurface::lanes];
+};
+
 class PartSum {
  public:
   PartSum(const PackedSurface& body, const PartTask& task) : body_(body), task_(task), law_(task.law) {}
@@ -164,18 +181,23 @@ class PartSum {
 
  private:
   void run_block() {
-    if (task_.pillow > 0.0f) shift();
+    all_.clear();
+    for (std::size_t k = 0; k < count_; k += PackedSurface::lanes) all_.add(k);
     if (!task_.varies) {
       const Arrays moment = of(body_.moment);
-      task_.pillow > 0.0f ? uniform_windward<true>() : uniform_windward<false>();
-      pressures(task_.pillow > 0.0f ? of(scratch_.arm) : moment);
-      if (law_.leeward || law_.recovery) {
-        uniform_leeward();
-        suctions(moment);
+      const bool pulls = law_.leeward || law_.recovery;
+      pulls ? uniform<true>() : uniform<false>();
+      if (law_.curvature) bend_of_uniform_flow();
+      if (task_.pillow > 0.0f) {
+        shift(windward_);
+        arms_of_uniform_flow();
       }
+      pressures(task_.pillow > 0.0f ? of(scratch_.arm) : moment);
+      if (pulls) suctions(moment);
       if (law_.friction) friction_of_uniform_flow();
       return;
     }
+    if (task_.pillow > 0.0f) shift(all_);
     const auto rule = [&](Quadrature order, const float* share) {
       for (const QuadraturePoint& point : quadrature_rule(order)) at_point(point, share);
     };
@@ -198,19 +220,13 @@ class PartSum {
   }
   const float* of(const Aligned<float>& a) const { return a.data() + first_; }
 
-  template <class Pass>
-  HWY_INLINE void for_each(Pass&& pass) const {
-    const std::size_t count = count_;
-    for (std::size_t k = 0; k < count; k += width) pass(k);
-  }
-
   /// -kappa t M e/sqrt(3 e.M e) over the face
-  void shift() {
+  void shift(const Groups& where) {
     const Vec3 u = set(task_.direction);
     const V kappa = set(-task_.pillow);
     const Arrays normal = of(body_.normal);
     const Tensors second_moment = of(body_.second_moment);
-    for_each([&](std::size_t k) {
+    where.for_each([&](std::size_t k) {
       const Vec3 n = normal.at(k), t = along(u, hn::Neg(dot(u, n)), n), moved = second_moment.apply(k, t);
       const V square = hn::Max(hn::Mul(set(3.0f), dot(t, moved)), set(1e-30f));
       const V factor = hn::Mul(kappa, hn::Sqrt(hn::Div(dot(t, t), square)));
@@ -225,50 +241,58 @@ class PartSum {
     float *c, *s, *w;   ///< cosine, factor of the normal, normal speed
     const float* back;  ///< null where no back feels the air
 
-    /// @param area  of the point, times speed^2
+    /// @param area  of the point, times speed^2   @return where this side feels anything
     template <bool windward>
-    HWY_INLINE void store(std::size_t k, V area, V per_speed, V normal_speed) const {
+    HWY_INLINE hn::Mask<F> store(std::size_t k, V area, V per_speed, V normal_speed) const {
       const auto front = windward ? hn::Gt(normal_speed, hn::Zero(f)) : hn::Lt(normal_speed, hn::Zero(f));
       V felt = back ? hn::Mul(area, hn::IfThenElse(front, set(1.0f), hn::Load(f, back + k))) : hn::IfThenElseZero(front, area);
       const V size = hn::Abs(normal_speed);
-      felt = hn::IfThenElseZero(hn::Gt(size, hn::Zero(f)), felt);
+      const auto feels = hn::And(hn::Gt(size, hn::Zero(f)), hn::Gt(felt, hn::Zero(f)));
+      felt = hn::IfThenElseZero(feels, felt);
       hn::Store(hn::Min(set(1.0f), hn::Mul(size, per_speed)), f, c + k);
       // Along -n where the air comes against n, and along n where it comes from behind: downstream.
       hn::Store(hn::CopySign(felt, hn::Neg(normal_speed)), f, s + k);
       hn::Store(size, f, w + k);
+      return feels;
     }
   };
   Side windward() { return {scratch_.c, scratch_.s, scratch_.w, body_.one_sided ? nullptr : of(body_.back)}; }
   Side leeward() { return {scratch_.lee_c, scratch_.lee_s, scratch_.lee_w, body_.one_sided ? nullptr : of(body_.back)}; }
 
-  template <bool shifted>
-  void uniform_windward() {
-    const Vec3 u = set(task_.flow);
-    const V speed2 = dot(u, u), per_speed = slowness(speed2);
-    const Arrays normal = of(body_.normal), moment = of(body_.moment), moved = of(scratch_.shift);
-    const float* area = of(body_.share);
-    const Side side = windward();
-    for_each([&](std::size_t k) {
-      const Vec3 n = normal.at(k);
-      side.store<true>(k, hn::Mul(hn::Load(f, area + k), speed2), per_speed, hn::Neg(dot(u, n)));
-      if constexpr (shifted) store(add(moment.at(k), cross(moved.at(k), n)), scratch_.arm, k);
-    });
-    if (!law_.curvature) return;
-    const Tensors curvature = of(body_.curvature);
-    for_each([&](std::size_t k) {
-      const Vec3 n = normal.at(k);
-      bend(k, curvature, n, u, hn::Neg(dot(u, n)));
-    });
-  }
-
-  void uniform_leeward() {
+  /// Both sides at once: the cosine is the same.
+  template <bool pulls>
+  void uniform() {
     const Vec3 u = set(task_.flow);
     const V speed2 = dot(u, u), per_speed = slowness(speed2);
     const Arrays normal = of(body_.normal);
     const float* area = of(body_.share);
-    const Side side = leeward();
-    for_each(
-        [&](std::size_t k) { side.store<false>(k, hn::Mul(hn::Load(f, area + k), speed2), per_speed, hn::Neg(dot(u, normal.at(k)))); });
+    const Side front = windward(), rear = leeward();
+    windward_.clear(), leeward_.clear();
+    for (const std::size_t first : all_) {
+      bool meets = false, turns_away = false;
+      for (std::size_t k = first; k < first + PackedSurface::lanes; k += width) {
+        const V w = hn::Neg(dot(u, normal.at(k))), felt = hn::Mul(hn::Load(f, area + k), speed2);
+        meets |= !hn::AllFalse(f, front.store<true>(k, felt, per_speed, w));
+        if constexpr (pulls) turns_away |= !hn::AllFalse(f, rear.store<false>(k, felt, per_speed, w));
+      }
+      if (meets) windward_.add(first);
+      if (turns_away) leeward_.add(first);
+    }
+  }
+
+  void arms_of_uniform_flow() {
+    const Arrays normal = of(body_.normal), moment = of(body_.moment), moved = of(scratch_.shift);
+    windward_.for_each([&](std::size_t k) { store(add(moment.at(k), cross(moved.at(k), normal.at(k))), scratch_.arm, k); });
+  }
+
+  void bend_of_uniform_flow() {
+    const Vec3 u = set(task_.flow);
+    const Arrays normal = of(body_.normal);
+    const Tensors curvature = of(body_.curvature);
+    windward_.for_each([&](std::size_t k) {
+      const Vec3 n = normal.at(k);
+      bend(k, curvature, n, u, hn::Neg(dot(u, n)));
+    });
   }
 
   /// chi of the flow along the surface
@@ -301,7 +325,7 @@ class PartSum {
     const bool centroid = point.weight == 1.0;
     const Arrays place = of(body_.place), edge_ab = of(body_.edge_ab), edge_ac = of(body_.edge_ac);
     const float* area = of(body_.share);
-    for_each([&](std::size_t k) {
+    all_.for_each([&](std::size_t k) {
       Vec3 r = place.at(k);
       if (!centroid) r = along(along(r, s, edge_ab.at(k)), t, edge_ac.at(k));
       store(r, scratch_.place, k);
@@ -331,15 +355,20 @@ class PartSum {
     const Tensors curvature = of(body_.curvature);
     const float* area = scratch_.area;
     const Side side = windward();
-    for_each([&](std::size_t k) {
-      Vec3 r = place.at(k);
-      if constexpr (shifted) r = add(r, moved.at(k));
-      const Vec3 u = air.at(k, r), n = normal.at(k);
-      const V w = hn::Neg(dot(u, n)), speed2 = dot(u, u);
-      side.store<true>(k, hn::Mul(hn::Load(f, area + k), speed2), slowness(speed2), w);
-      store(cross(r, n), scratch_.arm, k);
-      if constexpr (curved) bend(k, curvature, n, u, w);
-    });
+    windward_.clear();
+    for (const std::size_t first : all_) {
+      bool meets = false;
+      for (std::size_t k = first; k < first + PackedSurface::lanes; k += width) {
+        Vec3 r = place.at(k);
+        if constexpr (shifted) r = add(r, moved.at(k));
+        const Vec3 u = air.at(k, r), n = normal.at(k);
+        const V w = hn::Neg(dot(u, n)), speed2 = dot(u, u);
+        meets |= !hn::AllFalse(f, side.store<true>(k, hn::Mul(hn::Load(f, area + k), speed2), slowness(speed2), w));
+        store(cross(r, n), scratch_.arm, k);
+        if constexpr (curved) bend(k, curvature, n, u, w);
+      }
+      if (meets) windward_.add(first);
+    }
   }
 
   /// The terms of windward surface, one pass each.
@@ -349,34 +378,37 @@ class PartSum {
     const float* const bend_of = scratch_.bend;
     if (task_.reached) {
       const float* reached = task_.reached + first_;
-      for_each([&](std::size_t k) { hn::Store(hn::Mul(hn::Load(f, s_of + k), hn::LoadU(f, reached + k)), f, s_of + k); });
+      windward_.for_each([&](std::size_t k) { hn::Store(hn::Mul(hn::Load(f, s_of + k), hn::LoadU(f, reached + k)), f, s_of + k); });
     }
     if (law_.shelter) {
       const V per_sharpness = set(law_.per_sharpness), rate = set(law_.shelter_rate);
-      for_each([&](std::size_t k) {
+      windward_.for_each([&](std::size_t k) {
         const V x = hn::Max(hn::Zero(f), hn::NegMulAdd(hn::Load(f, c_of + k), per_sharpness, set(1.0f)));
         const V ramp = hn::Div(hn::Mul(x, x), hn::Add(x, set(0.1f)));
         hn::Store(hn::Mul(hn::Load(f, s_of + k), exp_minus(hn::Mul(rate, ramp))), f, s_of + k);
       });
     }
     const Side side = windward();
-    sum(Term::windward_pressure, arm, side, [p = Polynomial(law_.windward_polynomial)](V c, std::size_t) { return p(c); });
+    sum(Term::windward_pressure, windward_, arm, side, [p = Polynomial(law_.windward_polynomial)](V c, std::size_t) { return p(c); });
     if (law_.base)
-      sum(Term::base_suction, arm, side, [suction = set(law_.base_suction), rise = Saturating(law_.base_edge)](V c, std::size_t) {
-        return hn::Mul(hn::Mul(suction, rise(c)), hn::Sub(set(2.0f), c));
-      });
+      sum(Term::base_suction, windward_, arm, side,
+          [suction = set(law_.base_suction), rise = Saturating(law_.base_edge)](V c, std::size_t) {
+            return hn::Mul(hn::Mul(suction, rise(c)), hn::Sub(set(2.0f), c));
+          });
     if (law_.curvature)
-      sum(Term::curvature, arm, side, [suction = set(-law_.curvature_suction), rise = Saturating(0.2f), bend_of](V c, std::size_t k) {
-        return hn::Mul(hn::Mul(suction, hn::Load(f, bend_of + k)), hn::Mul(hn::NegMulAdd(c, c, set(1.0f)), rise(c)));
-      });
+      sum(Term::curvature, windward_, arm, side,
+          [suction = set(-law_.curvature_suction), rise = Saturating(0.2f), bend_of](V c, std::size_t k) {
+            return hn::Mul(hn::Mul(suction, hn::Load(f, bend_of + k)), hn::Mul(hn::NegMulAdd(c, c, set(1.0f)), rise(c)));
+          });
   }
 
   /// The terms of leeward surface.
   void suctions(const Arrays& arm) {
     const Side side = leeward();
-    if (law_.leeward) sum(Term::leeward_suction, arm, side, [p = Polynomial(law_.leeward_polynomial)](V c, std::size_t) { return p(c); });
+    if (law_.leeward)
+      sum(Term::leeward_suction, leeward_, arm, side, [p = Polynomial(law_.leeward_polynomial)](V c, std::size_t) { return p(c); });
     if (law_.recovery)
-      sum(Term::rear_recovery, arm, side,
+      sum(Term::rear_recovery, leeward_, arm, side,
           [push = set(-law_.push), rise = Saturating(law_.recovery_edge)](V c, std::size_t) { return hn::Mul(push, rise(c)); });
   }
 
@@ -384,11 +416,10 @@ class PartSum {
 
   /// Adds s coefficient(c) times (normal, arm), and its power, to a term.
   template <class Coefficient>
-  void sum(Term term, const Arrays& arm, const Side& side, const Coefficient& coefficient) {
+  void sum(Term term, const Groups& where, const Arrays& arm, const Side& side, const Coefficient& coefficient) {
     Lanes lanes;
     const Arrays normal = of(body_.normal);
-    const std::size_t count = count_;
-    for (std::size_t k = 0; k < count; k += PackedSurface::lanes)
+    for (const std::size_t k : where)
       for (std::size_t g = 0; g < groups; ++g) {
         const std::size_t at = k + g * width;
         const V pressure = hn::Mul(hn::Load(f, side.s + at), coefficient(hn::Load(f, side.c + at), at));
@@ -418,7 +449,7 @@ class PartSum {
     const Arrays normal = of(body_.normal);
     const float* area = of(body_.share);
     const Side side = leeward();
-    for_each([&](std::size_t k) {
+    all_.for_each([&](std::size_t k) {
       const V w = hn::Neg(dot(u, normal.at(k)));
       V wetted = hn::Load(f, area + k);
       if (side.back) wetted = hn::MulAdd(wetted, hn::Load(f, side.back + k), wetted);
@@ -426,7 +457,7 @@ class PartSum {
       hn::Store(hn::Neg(hn::Abs(w)), f, side.w + k);  // the power is less than that of drag along u
       hn::Store(set(1.0f), f, side.c + k);
     });
-    sum(Term::friction, of(body_.moment), side, [](V one, std::size_t) { return one; });
+    sum(Term::friction, all_, of(body_.moment), side, [](V one, std::size_t) { return one; });
   }
 
   /// Where the pressure of leeward surface and friction act: not displaced by the pillow, so that they share a velocity.
@@ -438,14 +469,15 @@ class PartSum {
     const float* area = scratch_.area;
     const Side side = leeward();
     const V skin_friction = set(law_.skin_friction);
-    const std::size_t count = count_;
-    for (std::size_t k = 0; k < count; k += PackedSurface::lanes)
+    leeward_.clear();
+    for (const std::size_t k : all_) {
+      bool turns_away = false;
       for (std::size_t g = 0; g < groups; ++g) {
         const std::size_t at = k + g * width;
         const Vec3 r = place.at(at), u = air.at(at, r), n = normal.at(at);
         const V w = hn::Neg(dot(u, n)), speed2 = dot(u, u), own = hn::Load(f, area + at);
         if constexpr (pulls) {
-          side.store<false>(at, hn::Mul(own, speed2), slowness(speed2), w);
+          turns_away |= !hn::AllFalse(f, side.store<false>(at, hn::Mul(own, speed2), slowness(speed2), w));
           store(cross(r, n), scratch_.straight, at);
         }
         if constexpr (rubs) {
@@ -461,6 +493,8 @@ class PartSum {
           lanes.power[g] = hn::Add(lanes.power[g], dot(drag, u));
         }
       }
+      if (turns_away) leeward_.add(k);
+    }
     if constexpr (rubs) add_lanes(Term::friction, lanes);
   }
 
@@ -470,7 +504,7 @@ class PartSum {
     const Flow air = flow();
     const Arrays place = of(body_.place), edge_ab = of(body_.edge_ab), edge_ac = of(body_.edge_ac);
     const V per_length = set(task_.variation);
-    for_each([&](std::size_t k) {
+    all_.for_each([&](std::size_t k) {
       const Vec3 ab = edge_ab.at(k), ac = edge_ac.at(k), u = air.at(k, place.at(k));
       const Vec3 a = add(ab, ac), b = along(ac, set(-2.0f), ab), c = along(ab, set(-2.0f), ac);
       const V radius = hn::Mul(hn::Sqrt(hn::Max(dot(a, a), hn::Max(dot(b, b), dot(c, c)))), set(1.0f / 3.0f));
@@ -496,6 +530,7 @@ class PartSum {
   const PartTask& task_;
   const ResolvedLaw& law_;
   std::size_t first_ = 0, count_ = 0;
+  Groups all_, windward_, leeward_;
   Scratch scratch_;
   std::array<bool, static_cast<std::size_t>(Term::count)> summed_{};
   HWY_ALIGN double sums_[static_cast<std::size_t>(Term::count)][Lanes::rows][PackedSurface::lanes];  // set where `summed_`
