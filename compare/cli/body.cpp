@@ -62,7 +62,7 @@ Body load_body(const BodyOptions& options) {
     const dragcore::Preparation prepared = dragcore::expose(as_closed);
     Body body{.mesh = prepared.mesh,
               .surface = dragcore::Surface(prepared),
-              .properties = inspect(prepared.mesh),
+              .properties = inspect(as_closed.mesh),
               .triangles_of_file = triangles,
               .notes = std::move(file.notes)};
     for (const dragcore::Finding& finding : prepared.report) body.findings.push_back(to_string(finding.kind) + ": " + finding.text);

@@ -17,7 +17,7 @@ namespace cli {
 struct Body {
   dragcore::TriangleMesh mesh;  ///< as the forces see it [m]
   dragcore::Surface surface;
-  dragcore::MeshProperties properties;  ///< of `mesh`
+  dragcore::MeshProperties properties;  ///< of `mesh` with what no wind reaches
   int triangles_of_file = 0;
   std::vector<std::string> notes;       ///< what the reader of the file has to say, a sentence each
   std::vector<std::string> findings;    ///< what was found and changed between file and surface, a sentence each

@@ -151,7 +151,8 @@ Result evaluate(const DragOptions& options, const Body& body, bool posed) {
   const dragcore::Model model = options.model.model().on(body.surface);
   result.model = options.model.label();
   if (model.law.name != options.model.law)
-    result.model += fmt::format(" ({} body: law {})", to_string(body.surface.body_class), model.law.name);
+    result.model += model.sheets ? fmt::format(" (law {}, on parts that are sheets {})", model.law.name, model.sheets->law.name)
+                                 : fmt::format(" ({} body: law {})", to_string(body.surface.body_class), model.law.name);
   result.rows = winds(options, result.centre, posed);
   for (Row& row : result.rows) {
     row.wrench = dragcore::wrench(body.surface, row.motion, medium, model).total();

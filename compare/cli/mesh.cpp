@@ -60,8 +60,9 @@ void print(const BodyOptions& options, const Body& body, const dragcore::Model& 
   line("shape", body.surface.convex ? "convex: nothing stands in its own wind"
                                     : fmt::format("not convex: up to {:.3g} times the silhouette faces the wind; rays say what it reaches",
                                                   body.windward_ratio));
-  line("law", fmt::format("{} with the {} pillow {:g} is advised (--law class)", advised.law.name, to_string(advised.pillow.form),
-                          advised.pillow.factor));
+  std::string law = fmt::format("{} with the {} pillow {:g}", advised.law.name, to_string(advised.pillow.form), advised.pillow.factor);
+  if (advised.sheets) law += fmt::format("; {} with {:g} on parts that are sheets", advised.sheets->law.name, advised.sheets->pillow.factor);
+  line("law", law + " is advised (--law class)");
   for (const std::string& note : body.notes) line("note", note);
   for (const std::string& finding : body.findings) line("found", finding);
   if (const std::string question = unit_question(options, body); !question.empty()) line("question", question);

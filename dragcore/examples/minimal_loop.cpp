@@ -8,7 +8,8 @@
 using Eigen::Vector3d;
 
 int main() {
-  const dragcore::TriangleMesh mesh = triangulate(dragcore::Box{0.3, 0.2, 0.1}, 1);  // or read_mesh()
+  // Or of read_mesh("body.stl", 0.001): made sound, and moved so that its centre of mass is the origin.
+  const dragcore::TriangleMesh mesh = recentred(prepare(triangulate(dragcore::Box{0.3, 0.2, 0.1}, 1)).mesh);
   const dragcore::Surface surface(mesh);
   const dragcore::Model model = model_for(surface);
   const dragcore::Medium medium{.density = 1.2};                       // air [kg/m^3]
