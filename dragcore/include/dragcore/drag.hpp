@@ -42,7 +42,8 @@ struct SheetModel {
 /// they know the model: all but the pillow forms other than `tilt` and laws whose polynomials change sign. Else it is `full`.
 enum class Precision {
   full,    ///< double throughout: within 1e-12 of reference::wrench()
-  single,  ///< float within a block of triangles, double between blocks: within 1e-6 of the sum of magnitudes
+  single,  ///< float within a block of triangles, double between blocks: within 1e-6 of density/2 speed^2 times the area of both sides.
+           ///< Where little of that is felt, a sheet edge-on, the error is as large and the force is not: 1e-5 of it there
 };
 
 /// A plain Model is the note's: no friction, no pillow. model_for() has what validation found best.
@@ -77,7 +78,7 @@ inline constexpr double largest_gain = 0.95;
 /// @throws std::invalid_argument  if density is negative, the pillow factor is out of range, the law is not valid, `triangle_wind` has not
 /// one entry per
 ///                                triangle, or anything is not finite: value found, value needed (unless Model::check is off)
-/// @accuracy      within 1e-12 of reference::wrench (tests/dragcore/drag/test_drag.cpp), or 1e-6 of the sum of magnitudes in
+/// @accuracy      within 1e-12 of reference::wrench (tests/dragcore/drag/test_drag.cpp), or 1e-6 of density/2 speed^2 area in
 /// Precision::single
 ///                (tests/dragcore/kernels/test_wrench_kernel.cpp); one point per triangle is exact for motion without spin
 /// @source        [toskan2020] sec. 2 and 2.1; differs: leeward faces never feel windward pressure, spin by quadrature instead of a
@@ -90,7 +91,7 @@ struct TriangleForces {
   Eigen::Matrix3Xd force, torque;
 };
 
-/// The parts whose sums are wrench(...).total() to rounding: for deforming bodies, for drawing, for finding where a load comes from.
+/// The parts whose sums are wrench(...).total() to the rounding of its precision; always in double themselves: for deforming bodies, for drawing, for finding where a load comes from.
 /// @throws std::invalid_argument  as wrench()
 TriangleForces triangle_forces(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model);
 

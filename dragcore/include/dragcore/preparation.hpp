@@ -88,13 +88,12 @@ struct Preparation {
 
 /// From triangles as files have them to bodies and sheets:
 ///   1. corners are joined that lie within 1e-3 of the local edge, or a few steps of single precision, of each other, where that closes
-///      open edges and makes none that three triangles share;
+///      open edges; of edges that three triangles share it may make a quarter as many, where bodies touch or a fin stands on one;
 ///   2. a triangle said twice counts once;
 ///   3. triangles that share an edge are one shell; where more than two meet, those go on into each other that turn least;
 ///   4. within a shell all are wound alike, and outwards as its own volume says;
-///   5. holes are capped by lids; a shell that stays thin when capped (mean thickness below 0.12 of its middle extent) is a sheet, and so
-///   is
-///      one whose holes one can look through;
+///   5. holes are capped by lids; a shell that stays thin when capped (mean thickness below 0.12 of its middle extent) and whose lids are
+///      more than a fifth of its area is a sheet, and so is one whose holes one can look through;
 ///   6. what lies wholly inside a closed shell feels no wind and is left out.
 /// Walls that are hidden in other ways, and what stands in whose wind, take rays: dragcore::exposure.
 /// @throws std::invalid_argument  as validate(mesh)

@@ -35,7 +35,9 @@ struct Part {
   double radius = 0.0;                               ///< from `centre` to the farthest corner [m]
 };
 
-/// A mesh prepared once for any number of evaluations. Triangles as structure of arrays (one column per component, contiguous).
+/// A mesh prepared once for any number of evaluations. Its members are to be read: what depends on them is made with them, `packed` above
+/// all. Who changes one must `packed.reset()`, and has every sum in double precision from then on.
+/// Triangles as structure of arrays (one column per component, contiguous).
 /// Triangles without area are dropped: they carry no force.
 class Surface {
  public:

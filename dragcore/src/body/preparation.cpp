@@ -61,83 +61,68 @@ OpenEdges open_edges(const TriangleMesh& mesh) {
 /// @return the number of vertices that went, 0 when nothing lies that close
 int join_corners(TriangleMesh& mesh, const OpenEdges& open, double relative) {
   const std::size_t count = mesh.vertices.size();
-  std::vector<double> reach(count, std::numeric_limits<double>::infinity());
-  for (const Vector3i& t : mesh.triangles)
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  std::vector<double> shortest(count, infinity), around(count, infinity);  // edge at every vertex; longest edge of a triangle there
+  for (const Vector3i& t : mesh.triangles) {
+    double longest = 0.0;
     for (int k = 0; k < 3; ++k) {
       const int from = t[k], to = t[(k + 1) % 3];
-      if (from == to) continue;
-      const double length = relative * (mesh.vertices[from] - mesh.vertices[to]).norm();
-      reach[from] = std::min(reach[from], length);
-      reach[to] = std::min(reach[to], length);
+      const double length = (mesh.vertices[from] - mesh.vertices[to]).norm();
+      longest = std::max(longest, length);
+      if (from != to) shortest[from] = std::min(shortest[from], length), shortest[to] = std::min(shortest[to], length);
     }
-  Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity());
-  double largest = 0.0, cell = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!open.at_vertex[i]) continue;
-    low = low.cwiseMin(mesh.vertices[i]);
-    largest = std::max(largest, mesh.vertices[i].cwiseAbs().maxCoeff());
-    // A needle's short edge must not keep its corners from their neighbours: the step of the coordinates is what files are rounded to.
-    reach[i] = std::max(reach[i], 4.0 * std::numeric_limits<float>::epsilon() * mesh.vertices[i].cwiseAbs().maxCoeff());
-    cell = std::max(cell, reach[i]);
+    for (const int corner : t) around[corner] = std::min(around[corner], longest);
   }
-  if (!(cell > 0.0) || !std::isfinite(cell)) return 0;
+  std::vector<double> reach(count, 0.0);
+  Vector3d low = Vector3d::Constant(infinity);
+  double least = infinity, most = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!open.at_vertex[i] || !std::isfinite(shortest[i])) continue;
+    low = low.cwiseMin(mesh.vertices[i]);
+    // A needle's short edge must not keep its corners from their neighbours: the step of the coordinates is what files are rounded to. Far
+    // from the origin that step may be as long as the triangles are: a quarter of them is no rounding.
+    const double step = 4.0 * std::numeric_limits<float>::epsilon() * mesh.vertices[i].cwiseAbs().maxCoeff();
+    reach[i] = std::max(relative * shortest[i], std::min(step, 0.25 * around[i]));
+    if (reach[i] > 0.0) least = std::min(least, reach[i]), most = std::max(most, reach[i]);
+  }
+  if (!(most > 0.0)) return 0;
 
-  // Neighbours by a hash of cells as large as the largest reach; a collision only costs a comparison.
-  const auto cell_of = [&](const Vector3d& v) -> Eigen::Matrix<std::int64_t, 3, 1> {
-    return ((v - low) / cell).array().min(1e15).floor().cast<std::int64_t>().matrix();
-  };
-  const auto hash = [](const Eigen::Matrix<std::int64_t, 3, 1>& c) {
+  // Neighbours by a hash of cells; a collision only costs a comparison. Two vertices are joined within the smaller of their reaches: cells
+  // of many sizes, each with those alone that reach as far, so that one huge triangle does not put all others into one cell.
+  using Cell = Eigen::Matrix<std::int64_t, 3, 1>;
+  const auto hash = [](const Cell& c) {
     return static_cast<std::uint64_t>(c[0]) * 0x9E3779B97F4A7C15ull ^ static_cast<std::uint64_t>(c[1]) * 0xC2B2AE3D27D4EB4Full ^
            static_cast<std::uint64_t>(c[2]) * 0x165667B19E3779F9ull;
   };
-  std::unordered_map<std::uint64_t, std::vector<int>> cells;
-  for (std::size_t i = 0; i < count; ++i)
-    if (open.at_vertex[i]) cells[hash(cell_of(mesh.vertices[i]))].push_back(static_cast<int>(i));
+  constexpr double coarser = 8.0;
   DisjointSets sets(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!open.at_vertex[i]) continue;
-    const auto home = cell_of(mesh.vertices[i]);
-    for (int x = -1; x <= 1; ++x)
-      for (int y = -1; y <= 1; ++y)
-        for (int z = -1; z <= 1; ++z) {
-          const auto entry = cells.find(hash(home + Eigen::Matrix<std::int64_t, 3, 1>(x, y, z)));
-          if (entry == cells.end()) continue;
-          for (const int other : entry->second)
-            if (other > static_cast<int>(i) &&
-                (mesh.vertices[other] - mesh.vertices[i]).norm() <= std::min(reach[i], reach[static_cast<std::size_t>(other)]))
-              sets.join(static_cast<int>(i), other);
-        }
+  for (double size = least, reached = 0.0; reached < most; reached = size, size *= coarser) {
+    const auto cell_of = [&](const Vector3d& v) -> Cell {
+      return ((v - low) / size).array().min(1e15).floor().cast<std::int64_t>().matrix();
+    };
+    std::unordered_map<std::uint64_t, std::vector<int>> cells;
+    for (std::size_t i = 0; i < count; ++i)
+      if (reach[i] > reached) cells[hash(cell_of(mesh.vertices[i]))].push_back(static_cast<int>(i));
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!(reach[i] > reached)) continue;
+      const Cell home = cell_of(mesh.vertices[i]);
+      for (int x = -1; x <= 1; ++x)
+        for (int y = -1; y <= 1; ++y)
+          for (int z = -1; z <= 1; ++z) {
+            const auto entry = cells.find(hash(home + Cell(x, y, z)));
+            if (entry == cells.end()) continue;
+            for (const int other : entry->second)
+              if (other > static_cast<int>(i) &&
+                  (mesh.vertices[other] - mesh.vertices[i]).norm() <= std::min(reach[i], reach[static_cast<std::size_t>(other)]))
+                sets.join(static_cast<int>(i), other);
+          }
+    }
   }
   int gone = 0;
   for (std::size_t i = 0; i < count; ++i) gone += sets.root(static_cast<int>(i)) != static_cast<int>(i);
   for (Vector3i& t : mesh.triangles)
     for (int& corner : t) corner = sets.root(corner);
   return gone;
-}
-
-/// Of several tolerances the smallest that leaves the fewest open edges, none of it bought with edges of three triangles.
-void weld(TriangleMesh& mesh, std::vector<Finding>& report) {
-  const OpenEdges before = open_edges(mesh);
-  if (before.boundary == 0) return;
-  int fewest = before.boundary, joined = 0;
-  TriangleMesh best;
-  for (const double relative : {0.0, 1e-5, 1e-4, 1e-3}) {
-    TriangleMesh attempt = mesh;
-    const int gone = join_corners(attempt, before, relative);
-    if (gone == 0) continue;
-    const OpenEdges after = open_edges(attempt);
-    if (after.boundary < fewest && after.non_manifold <= before.non_manifold) {
-      fewest = after.boundary;
-      joined = gone;
-      best = std::move(attempt);
-    }
-    if (fewest == 0) break;
-  }
-  if (joined == 0) return;
-  mesh = std::move(best);
-  report.push_back(
-      {Finding::Kind::welded, joined, 0.0,
-       plural(joined, "corner") + " joined with others a hair away, which closed " + plural(before.boundary - fewest, "open edge")});
 }
 
 /// Leaves out triangles with a repeated corner, and all but the first of those with the same three corners.
@@ -175,6 +160,35 @@ void drop_repeated(TriangleMesh& mesh, std::vector<Finding>& report) {
   if (duplicates > 0)
     report.push_back({Finding::Kind::duplicate, duplicates, area,
                       plural(duplicates, "triangle") + " said more than once (" + number(area) + " m^2): each counts once"});
+}
+
+/// Of several tolerances the smallest that leaves the fewest open edges. Edges of three triangles are made where bodies touch or a fin
+/// stands on one; more of them than a quarter of the open edges that go say that what was joined does not belong together.
+void weld(TriangleMesh& mesh, std::vector<Finding>& report) {
+  const OpenEdges before = open_edges(mesh);
+  if (before.boundary == 0) return;
+  int fewest = before.boundary, joined = 0;
+  TriangleMesh best;
+  for (const double relative : {0.0, 1e-5, 1e-4, 1e-3}) {
+    TriangleMesh attempt = mesh;
+    const int gone = join_corners(attempt, before, relative);
+    if (gone == 0) continue;
+    TriangleMesh once = attempt;  // said twice and joined, a triangle makes an edge of three that goes with the repeat
+    std::vector<Finding> unsaid;
+    drop_repeated(once, unsaid);
+    const OpenEdges after = open_edges(once);
+    if (after.boundary < fewest && 4 * (after.non_manifold - before.non_manifold) <= before.boundary - after.boundary) {
+      fewest = after.boundary;
+      joined = gone;
+      best = std::move(attempt);
+    }
+    if (fewest == 0) break;
+  }
+  if (joined == 0) return;
+  mesh = std::move(best);
+  report.push_back(
+      {Finding::Kind::welded, joined, 0.0,
+       plural(joined, "corner") + " joined with others a hair away, which closed " + plural(before.boundary - fewest, "open edge")});
 }
 
 /// Which triangle goes on behind each edge of every triangle (-1: none), and whether its winding agrees.
@@ -475,7 +489,8 @@ class Preparer {
     const Vector3d extents = principal_box(static_cast<Eigen::Index>(all.size()), [&](Eigen::Index i) {
                                return corners(all[static_cast<std::size_t>(i)]);
                              }).extents;
-    const bool thin = is_sheet(shell.volume, shell.area + lid_area, extents);
+    // A plate with a crack or a triangle missing is thin, but closed all the same: a sheet has about as much hole as surface.
+    const bool thin = is_sheet(shell.volume, shell.area + lid_area, extents) && lid_area > 0.2 * shell.area;
     bool through = false;
     if (!was_closed && !thin) through = one_can_look_through(shell, own, holes.size());
     if (!was_closed && (thin || through)) {

@@ -26,6 +26,15 @@ bool never_negative(const Law::Polynomial& p) {
   return true;
 }
 
+/// Whether a law's numbers are numbers in single precision: what is checked may be beyond it, what is not may be none.
+bool fits(const Law& law) {
+  const auto usable = [](double x) { return std::abs(x) < 1e30; };
+  const auto divides = [](double x) { return x > 1e-30 && x < 1e30; };
+  return std::all_of(law.windward.begin(), law.windward.end(), usable) && std::all_of(law.leeward.begin(), law.leeward.end(), usable) &&
+         usable(law.friction) && usable(law.base_suction) && usable(law.shelter) && usable(law.curvature) && divides(law.base_edge) &&
+         divides(law.recovery_edge);
+}
+
 std::array<float, 5> single(const Law::Polynomial& p) {
   std::array<float, 5> result;
   std::transform(p.begin(), p.end(), result.begin(), [](double x) { return static_cast<float>(x); });
@@ -71,6 +80,8 @@ std::array<kernels::Aligned<float>, 3> packed_winds(const PackedSurface& packed,
 std::optional<WrenchByTerm> fast_wrench(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
   if (model.precision != Precision::single || !surface.packed) return std::nullopt;
   const PackedSurface& packed = *surface.packed;
+  // Somebody changed the surface since it was packed.
+  if (packed.part.size() != surface.parts.size() || packed.by_triangle != (surface.exposure != nullptr)) return std::nullopt;
   const ActiveEffects moving(motion, model);
   const RelativeFlow flow(surface, motion, moving);
 
@@ -103,6 +114,7 @@ std::optional<WrenchByTerm> fast_wrench(const Surface& surface, const Motion& mo
     const Pillow& pillow = model.pillow_of(part.body_class);
     const ActiveEffects active(motion, model, law, pillow);
     if (active.has<Effect::pillow>() && pillow.form != PillowForm::tilt) return std::nullopt;
+    if (!fits(law)) return std::nullopt;
     if (!never_negative(law.windward) || (active.has<Effect::leeward_suction>() && !never_negative(law.leeward))) return std::nullopt;
     const Vector3d centre_flow = flow.at_centre(p);
     const double directed = flow.directed(p), travel = centre_flow.norm();
@@ -113,7 +125,7 @@ std::optional<WrenchByTerm> fast_wrench(const Surface& surface, const Motion& mo
     Exposure::Sample sample;
     if (exposure) {
       sample = exposure->towards(-centre_flow);
-      reached.assign(packed.triangle.size(), 1.0f);
+      reached.resize(packed.triangle.size(), 1.0f);
       for (std::size_t slot = packed.part[p].first; slot < packed.part[p].last; ++slot)
         if (packed.triangle[slot] >= 0)
           reached[slot] = static_cast<float>(1.0 - directed * (1.0 - exposure->share(packed.triangle[slot], sample)));
@@ -122,7 +134,7 @@ std::optional<WrenchByTerm> fast_wrench(const Surface& surface, const Motion& mo
     Descriptors body;
     if (travel > 0.0 && BodyLaw::needs_descriptors(law, active)) {
       if (exposure) {
-        facets_reached.assign(packed.facets.triangle.size(), 1.0);
+        facets_reached.resize(packed.facets.triangle.size(), 1.0);
         for (std::size_t slot = packed.facets.part[p].first; slot < packed.facets.part[p].last; ++slot)
           if (packed.facets.triangle[slot] >= 0) facets_reached[slot] = exposure->share(packed.facets.triangle[slot], sample);
       }

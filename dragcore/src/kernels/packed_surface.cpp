@@ -99,7 +99,7 @@ PackedSurface::PackedSurface(const Surface& surface)
     }
   }
 
-  const bool by_triangle = surface.exposure != nullptr;
+  by_triangle = surface.exposure != nullptr;
   std::vector<int> item;
   const std::size_t found = by_triangle
                                 ? lay_out(

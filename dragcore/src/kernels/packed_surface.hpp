@@ -46,6 +46,7 @@ struct PackedSurface {
   std::vector<Range> part;    ///< of every part
   std::vector<int> triangle;  ///< of the surface, of every place in the arrays; -1 for what fills up
   bool one_sided = true;      ///< no back feels the air
+  bool by_triangle = false;   ///< facets are triangles: the surface has an exposure
 
   std::array<Aligned<float>, 3> normal, place, moment;  ///< place of the centroid; moment = place x normal
   Aligned<float> share;                                 ///< area

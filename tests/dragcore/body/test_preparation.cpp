@@ -50,6 +50,68 @@ TEST_CASE("what is a hundredth of an edge apart is meant to be apart", "[prepara
   CHECK_FALSE(prepare(together({rectangle({0, 0, 0}, x, y), rectangle({0, 0, 0.01}, x, y)})).found(Kind::welded));
 }
 
+TEST_CASE("a fin on a body keeps no crack of it open", "[preparation][weld]") {
+  // Every triangle by itself, corners a hair off: as STL files are.
+  const auto soup = [](const TriangleMesh& mesh) {
+    zoo::Random random(5);
+    TriangleMesh apart;
+    for (const Eigen::Vector3i& t : mesh.triangles) {
+      const auto first = static_cast<int>(apart.vertices.size());
+      for (const int corner : t) apart.vertices.push_back(mesh.vertices[static_cast<std::size_t>(corner)] + random.vector(1e-7));
+      apart.triangles.emplace_back(first, first + 1, first + 2);
+    }
+    return apart;
+  };
+  const TriangleMesh body = triangulate(Box{1.0, 0.7, 0.5}, 3);
+  TriangleMesh finned = body;
+  finned.vertices.emplace_back(0.5, 0.35, 0.3);
+  const auto edge = std::find_if(body.triangles.begin(), body.triangles.end(), [&](const Eigen::Vector3i& t) {
+    return body.vertices[static_cast<std::size_t>(t[0])].z() == 0.25 && body.vertices[static_cast<std::size_t>(t[1])].z() == 0.25;
+  });
+  finned.triangles.emplace_back((*edge)[0], (*edge)[1], static_cast<int>(body.vertices.size()));
+  const Preparation exact = prepare(finned), jittered = prepare(soup(finned));
+  CHECK(jittered.parts() == exact.parts());
+  CHECK(Surface(jittered).volume == Approx(0.35).epsilon(1e-5));
+  // Said twice, each time with other roundings.
+  TriangleMesh twice = support::together({soup(body), soup(support::moved(body, Vector3d::Constant(3e-8)))});
+  CHECK(prepare(twice).parts() == 1);
+  CHECK(Surface(prepare(twice)).volume == Approx(0.35).epsilon(1e-5));
+  // Two bodies that share a face.
+  const TriangleMesh pair = support::together({body, support::moved(body, {1.0, 0.0, 0.0})});
+  CHECK(prepare(soup(pair)).parts() <= 2);
+}
+
+TEST_CASE("an open sheet far from the origin keeps its corners", "[preparation][weld]") {
+  // At 1e6 m four steps of single precision are 0.4 m: longer than these triangles.
+  for (const double edge : {0.001, 0.1, 0.33}) {
+    const TriangleMesh near = triangulate(Plate{.chord = 3 * edge, .span = 3 * edge, .thickness = 0.0}, 3);
+    const Surface far(support::moved(near, {6e5, 7e5, 2e5}));
+    CHECK(far.total_area == Approx(9 * edge * edge).epsilon(1e-6));
+    CHECK(far.two_sided());
+  }
+}
+
+TEST_CASE("a thin body with a crack or a triangle missing is a body still", "[preparation][limit]") {
+  const Motion motion{.wind = {1, 0, 10}};
+  const TriangleMesh plate = triangulate(Plate{.chord = 1.0, .span = 1.0, .thickness = 0.05}, 4);
+  const Vector3d right = wrench(Surface(plate), motion, {}, zoo::exactly(model_for(Surface(plate)))).total().force;
+  // An edge split in one of its two triangles.
+  TriangleMesh cracked = plate;
+  const Eigen::Vector3i t = cracked.triangles[0];
+  const auto middle = static_cast<int>(cracked.vertices.size());
+  cracked.vertices.push_back(0.5 * (cracked.vertices[static_cast<std::size_t>(t[0])] + cracked.vertices[static_cast<std::size_t>(t[1])]));
+  cracked.triangles[0] = {t[0], middle, t[2]};
+  cracked.triangles.emplace_back(middle, t[1], t[2]);
+  TriangleMesh lacking = plate;
+  lacking.triangles.pop_back();
+  for (const TriangleMesh& mesh : {cracked, lacking}) {
+    const Surface surface(mesh);
+    CHECK_FALSE(surface.two_sided());
+    const Vector3d force = wrench(surface, motion, {}, zoo::exactly(model_for(surface))).total().force;
+    CHECK((force - right).norm() < 1e-6 * right.norm());  // a lid lies where the triangle was
+  }
+}
+
 TEST_CASE("whatever is sealed in a closed shell feels no wind", "[preparation][invariance]") {
   const Vector3d of_ball = force(ball, x);
   for (const TriangleMesh& inner : {scaled(ball, 0.96), scaled(cube, 0.4), rectangle({-0.2, -0.2, 0}, 0.4 * x, 0.4 * y)}) {

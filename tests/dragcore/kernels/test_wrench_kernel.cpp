@@ -141,6 +141,18 @@ TEST_CASE("what the kernels do not know is summed in double precision", "[kernel
   }
 }
 
+TEST_CASE("a surface that was changed after it was packed is summed in double precision", "[kernels]") {
+  zoo::Random random(33);
+  const Motion motion{.velocity = {-10, 1, 2}};
+  Surface exposed_later(prepare(triangulate(Box{}, 3))), with_a_part_more = three_parts();
+  exposed_later.exposure = sheltered(random).exposure;
+  with_a_part_more.parts.push_back(with_a_part_more.parts.back());
+  for (const Surface& surface : {exposed_later, with_a_part_more}) {
+    const Model model = model_for(surface);
+    CHECK(wrench(surface, motion, {}, model).total().force == wrench(surface, motion, {}, in(Precision::full, model)).total().force);
+  }
+}
+
 TEST_CASE("the kernels stand every hard case: finite, no power gained, as in double precision", "[kernels][hard][property]") {
   for (unsigned seed = 1; seed <= 4000 / hostile::sanitizer_divisor; ++seed) {
     INFO("seed " << seed);
