@@ -48,14 +48,16 @@ void add_body_options(CLI::App& command, BodyOptions& options) {
 Body load_body(const BodyOptions& options) {
   dragcore::MeshFile file = dragcore::read_mesh_file(options.file, options.unit_m());
   const dragcore::TriangleMesh& mesh = file.mesh;
-  const auto triangles = static_cast<int>(mesh.triangles.size());
+  const dragcore::MeshProperties as_read = dragcore::inspect(mesh);
   try {
+    if (as_read.degenerate == as_read.triangles)
+      throw std::invalid_argument("no triangle has an area, so nothing feels the air; check the file and its unit");
     if (options.sheet) {
       dragcore::Surface surface(mesh, dragcore::Surface::Sides::two);
       return {.mesh = mesh,
               .surface = std::move(surface),
-              .properties = inspect(mesh),
-              .triangles_of_file = triangles,
+              .properties = as_read,
+              .triangles_of_file = as_read.triangles,
               .notes = std::move(file.notes)};
     }
     const dragcore::Preparation as_closed = dragcore::prepare(mesh);
@@ -63,7 +65,7 @@ Body load_body(const BodyOptions& options) {
     Body body{.mesh = prepared.mesh,
               .surface = dragcore::Surface(prepared),
               .properties = inspect(as_closed.mesh),
-              .triangles_of_file = triangles,
+              .triangles_of_file = as_read.triangles,
               .notes = std::move(file.notes)};
     for (const dragcore::Finding& finding : prepared.report) body.findings.push_back(to_string(finding.kind) + ": " + finding.text);
     for (const dragcore::WindwardRatio& view : dragcore::windward_over_silhouette(as_closed)) {
@@ -75,7 +77,7 @@ Body load_body(const BodyOptions& options) {
   } catch (const std::invalid_argument& fault) {
     const Eigen::Vector3d size = extents_of(mesh);
     throw EnvironmentError(fmt::format("{}: {}\nThe file holds {}; its extents are {:.4g} x {:.4g} x {:.4g} m.", options.file, fault.what(),
-                                       describe(inspect(mesh)), size.x(), size.y(), size.z()));
+                                       describe(as_read), size.x(), size.y(), size.z()));
   }
 }
 

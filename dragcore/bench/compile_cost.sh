@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/../include"
 compiler=${1:-g++}
-shift || true
+(($# == 0)) || shift
 headers=("$@")
 ((${#headers[@]})) || headers=(drag stepping body_wind shapes mass_properties diagnose required_effects)
 eigen=$(pkg-config --cflags-only-I eigen3 2> /dev/null || echo -I/usr/include/eigen3)

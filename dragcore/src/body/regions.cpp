@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "support/triangle_second_moment.hpp"
+
 namespace dragcore {
 
 namespace {
@@ -53,8 +55,7 @@ using Row = Eigen::Matrix<double, 1, columns>;
 /// A facet's own sums, places from `origin`. Second moments are exact: a triangle's own is (ab ab + ac ac)/18 less the mixed part.
 Row sums_of(const RegionFacet& facet, const Vector3d& origin) {
   const Vector3d r = facet.centroid - origin, &n = facet.normal;
-  const Matrix3d own = (facet.ab * facet.ab.transpose() + facet.ac * facet.ac.transpose()) / 18.0 -
-                       (facet.ab * facet.ac.transpose() + facet.ac * facet.ab.transpose()) / 36.0;
+  const Matrix3d own = triangle_second_moment(facet.ab, facet.ac);
   const Matrix3d second = r * r.transpose() + own, mixed = r * n.transpose();
   Row row;
   row << 1.0, r.transpose(), second(0, 0), second(0, 1), second(0, 2), second(1, 1), second(1, 2), second(2, 2), n.transpose(),

@@ -7,6 +7,7 @@
 
 #include "drag/local_forces.hpp"
 #include "drag/silhouette.hpp"
+#include "support/triangle_second_moment.hpp"
 
 namespace dragcore {
 
@@ -82,8 +83,7 @@ std::vector<Descriptors> describe_parts(const Surface& surface, const std::vecto
     for (Eigen::Index i = 0; i < surface.size(); ++i) {
       const auto p = static_cast<std::size_t>(surface.part[static_cast<std::size_t>(i)]);
       const Vector3d ab = surface.edge_ab.row(i).matrix(), ac = surface.edge_ac.row(i).matrix();
-      const Eigen::Matrix3d own = (ab * ab.transpose() + ac * ac.transpose()) / 18.0 - (ab * ac.transpose() + ac * ab.transpose()) / 36.0;
-      seen[p].add(surface.normal.row(i).matrix(), surface.centroid.row(i).matrix(), surface.area[i], own,
+      seen[p].add(surface.normal.row(i).matrix(), surface.centroid.row(i).matrix(), surface.area[i], triangle_second_moment(ab, ac),
                   surface.exposure->share(i, samples[p]));
     }
   }

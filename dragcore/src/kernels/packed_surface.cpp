@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "body/pack.hpp"
+#include "support/triangle_second_moment.hpp"
 
 namespace dragcore::kernels {
 
@@ -126,7 +127,7 @@ PackedSurface::PackedSurface(const Surface& surface)
         const Eigen::Index i = item[slot];
         const Vector3d ab = surface.edge_ab.row(i).matrix(), ac = surface.edge_ac.row(i).matrix();
         facet(slot, surface.normal.row(i).matrix(), Vector3d(surface.centroid.row(i).matrix()) - about, surface.area[i],
-              (ab * ab.transpose() + ac * ac.transpose()) / 18.0 - (ab * ac.transpose() + ac * ab.transpose()) / 36.0);
+              triangle_second_moment(ab, ac));
       } else {
         const Patch& patch = surface.patches[static_cast<std::size_t>(item[slot])];
         facet(slot, patch.normal, patch.centroid - about, patch.area, patch.second_moment);

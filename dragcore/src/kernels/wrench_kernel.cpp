@@ -602,12 +602,6 @@ SilhouetteSums silhouette(const PackedSurface& surface, PackedSurface::Range fac
   return result;
 }
 
-namespace {
-
-int64_t everything() { return hwy::SupportedTargets() & HWY_TARGETS; }
-
-}  // namespace
-
 std::vector<std::string> targets() {
   hwy::SetSupportedTargetsForTest(0);
   std::vector<std::string> names;
@@ -617,9 +611,8 @@ std::vector<std::string> targets() {
 
 void force_target(const std::string& name) {
   hwy::SetSupportedTargetsForTest(0);
-  int64_t chosen = everything();
   if (!name.empty()) {
-    chosen = 0;
+    int64_t chosen = 0;
     for (const int64_t target : hwy::SupportedAndGeneratedTargets())
       if (name == hwy::TargetName(target)) chosen = target;
     if (chosen == 0) throw std::invalid_argument("kernels: this machine has no target '" + name + "'");

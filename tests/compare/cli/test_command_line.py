@@ -47,6 +47,12 @@ with tempfile.TemporaryDirectory() as folder:
     assert "mm, cm, m, in, ft" in run("mesh", "box.obj", "--unit", "furlong", code=2).stderr
     run("mesh", "box.obj", "--unit", "-1", code=2)
 
+    # A force of nothing is no force of 0.
+    with open("line.obj", "w") as line:
+        line.write("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n")
+    for words in (("mesh", "line.obj"), ("drag", "line.obj", "--wind", "1", "0", "0"), ("drag", "line.obj", "--sheet", "--wind", "1", "0", "0")):
+        assert "no triangle has an area" in run(*words, code=3).stderr
+
     # A file in millimetres read as metres raises the question, and an answer ends it.
     with open("large.obj", "w") as large:
         large.write("v 0 0 0\nv 250 0 0\nv 0 250 0\nv 0 0 250\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
