@@ -7,28 +7,29 @@
 #include "drag/check.hpp"
 #include "drag/energy_balance.hpp"
 #include "drag/fast_wrench.hpp"
+#include "drag/folded_model.hpp"
 #include "support/require.hpp"
 
 namespace dragcore {
 
 using Eigen::Vector3d;
 
-void check_input(const Motion& motion, const Medium& medium, const Model& model) {
-  if (!model.check) return;
-  const auto usable = [](const Vector3d& v, const char* name) {
-    // Beyond 1e100 the square of the speed, times a density and an area of any size, leaves the range of numbers; sound is at 340 m/s.
-    require(
-        v.allFinite() && v.cwiseAbs().maxCoeff() <= 1e100, [name] { return std::string("wrench: motion.") + name; }, v,
-        "it must be finite, and below 1e100");
-  };
-  usable(motion.wind, "wind");
-  usable(motion.velocity, "velocity");
-  usable(motion.angular_velocity, "angular_velocity");
-  usable(motion.reference_point, "reference_point");
-  for (Eigen::Index j = 0; j < 3; ++j) usable(motion.wind_gradient.col(j), "wind_gradient column");
-  for (const Vector3d& wind : motion.triangle_wind) usable(wind, "triangle_wind entry");
-  require(medium.density >= 0.0 && medium.density < 1e100, "wrench: density", medium.density,
-          "it must be finite and not negative [kg/m^3]");
+namespace {
+
+/// Beyond 1e100 the square of a speed, times a density and an area of any size, leaves the range of numbers; sound is at 340 m/s.
+template <class Numbers>
+bool usable(const Numbers& numbers) {
+  return (numbers.array().abs() <= 1e100).all();
+}
+
+void check(const Vector3d& v, const char* name) {
+  require(
+      usable(v), [name] { return std::string("wrench: motion.") + name; }, v, "it must be finite, and below 1e100");
+}
+
+}  // namespace
+
+void check_model(const Model& model) {
   const auto check_pillow = [](const Pillow& pillow) {
     const double largest = pillow.form == PillowForm::tilt ? 1.5 : 1.0;  // beyond, the tilt falloff would be negative on half the face
     require(pillow.factor >= 0.0 && pillow.factor <= largest, "wrench: pillow factor", pillow.factor,
@@ -42,6 +43,20 @@ void check_input(const Motion& motion, const Medium& medium, const Model& model)
   if (!model.sheets) return;
   check_pillow(model.sheets->pillow);
   validate(model.sheets->law);
+}
+
+void check_input(const Motion& motion, const Medium& medium, const Model& model) {
+  if (!model.check) return;
+  check(motion.wind, "wind");
+  check(motion.velocity, "velocity");
+  check(motion.angular_velocity, "angular_velocity");
+  check(motion.reference_point, "reference_point");
+  if (!usable(motion.wind_gradient))
+    for (Eigen::Index j = 0; j < 3; ++j) check(motion.wind_gradient.col(j), "wind_gradient column");
+  for (const Vector3d& wind : motion.triangle_wind) check(wind, "triangle_wind entry");
+  require(medium.density >= 0.0 && medium.density < 1e100, "wrench: density", medium.density,
+          "it must be finite and not negative [kg/m^3]");
+  if (!FoldedModel::of(model).valid) check_model(model);
 }
 
 void check_input(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
