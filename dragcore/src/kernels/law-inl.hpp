@@ -237,6 +237,72 @@ struct Sum {
   }
 };
 
+/// What a secant matrix is the sum of: wrench = S y, y the generalised velocity of the air relative to the body at its origin.
+struct SecantLanes {
+  V normal[6], mixed[9], moment[6];             ///< k n n^T, k n m^T, k m m^T of pressures k (n.u) along n, with m their moment
+  V rubbed, rubbed_first[3], rubbed_second[6];  ///< k, k r, k r r^T of friction k u
+  Sum given;                                    ///< of what pushes, which no positive matrix can have
+  V given_power;
+
+  HWY_INLINE SecantLanes() {
+    const auto zero = [](V* first, std::size_t count) {
+      for (std::size_t k = 0; k < count; ++k) first[k] = hn::Zero(f);
+    };
+    zero(normal, 6), zero(mixed, 9), zero(moment, 6), zero(&rubbed, 1), zero(rubbed_first, 3), zero(rubbed_second, 6),
+        zero(&given_power, 1);
+  }
+  HWY_INLINE static void square(V (&sum)[6], V k, const Vec3& a) {
+    const Vec3 b = times(a, k);
+    sum[0] = hn::MulAdd(b.x, a.x, sum[0]), sum[1] = hn::MulAdd(b.x, a.y, sum[1]), sum[2] = hn::MulAdd(b.x, a.z, sum[2]);
+    sum[3] = hn::MulAdd(b.y, a.y, sum[3]), sum[4] = hn::MulAdd(b.y, a.z, sum[4]), sum[5] = hn::MulAdd(b.z, a.z, sum[5]);
+  }
+  HWY_INLINE void dyad(V k, const Vec3& n, const Vec3& m) {
+    square(normal, k, n), square(moment, k, m);
+    const Vec3 b = times(n, k);
+    mixed[0] = hn::MulAdd(b.x, m.x, mixed[0]), mixed[1] = hn::MulAdd(b.x, m.y, mixed[1]), mixed[2] = hn::MulAdd(b.x, m.z, mixed[2]);
+    mixed[3] = hn::MulAdd(b.y, m.x, mixed[3]), mixed[4] = hn::MulAdd(b.y, m.y, mixed[4]), mixed[5] = hn::MulAdd(b.y, m.z, mixed[5]);
+    mixed[6] = hn::MulAdd(b.z, m.x, mixed[6]), mixed[7] = hn::MulAdd(b.z, m.y, mixed[7]), mixed[8] = hn::MulAdd(b.z, m.z, mixed[8]);
+  }
+  /// A pressure on an area that is signed like the normal speed w.
+  HWY_INLINE void press(V pressure, V w, const Vec3& n, const Vec3& m) {
+    dyad(hn::Div(hn::Abs(pressure), hn::Max(hn::Abs(w), set(tiny))), n, m);
+  }
+  HWY_INLINE void push(V pressure, V w, const Vec3& n, const Vec3& m) {
+    given.press(pressure, n, m);
+    given_power = hn::NegMulAdd(pressure, w, given_power);
+  }
+  HWY_INLINE void rub(V k, const Vec3& n, const Vec3&, const Vec3& r, const Vec3&) {
+    dyad(hn::Neg(k), n, cross(r, n));
+    rubbed = hn::Add(rubbed, k);
+    rubbed_first[0] = hn::MulAdd(k, r.x, rubbed_first[0]);
+    rubbed_first[1] = hn::MulAdd(k, r.y, rubbed_first[1]);
+    rubbed_first[2] = hn::MulAdd(k, r.z, rubbed_first[2]);
+    square(rubbed_second, k, r);
+  }
+  template <unsigned on>
+  HWY_INLINE void windward(const Windward& here, const Vec3& n, const Vec3& m, V w) {
+    V holds = here.pressure;
+    if constexpr (on & base) holds = hn::Add(holds, here.base_suction);
+    press(hn::Mul(here.sheltered, holds), w, n, m);
+    if constexpr (on & curvature) push(hn::Mul(here.sheltered, here.curvature), w, n, m);
+  }
+  template <unsigned on>
+  HWY_INLINE void leeward(V area, V pull, V pushes, const Vec3& n, const Vec3& m, V w) {
+    if constexpr (on & HWY_NAMESPACE::leeward) press(hn::Mul(area, pull), w, n, m);
+    if constexpr (on & recovery) push(hn::Mul(area, pushes), w, n, m);
+  }
+  /// Calls visit(row, sum) for each of them, in the order of SecantSums.
+  template <class Visit>
+  HWY_INLINE void for_each(const Visit& visit) const {
+    std::size_t row = 0;
+    const auto all = [&](const V* sums, std::size_t count) {
+      for (std::size_t k = 0; k < count; ++k) visit(row++, sums[k]);
+    };
+    all(normal, 6), all(mixed, 9), all(moment, 6), all(&rubbed, 1), all(rubbed_first, 3), all(rubbed_second, 6);
+    all(given.force, 3), all(given.torque, 3), all(&given_power, 1);
+  }
+};
+
 }  // namespace dragcore::kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

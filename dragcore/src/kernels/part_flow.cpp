@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "drag/body_law.hpp"
-#include "drag/folded_model.hpp"
-
 namespace dragcore::kernels {
 
 using Eigen::Vector3d;
@@ -17,6 +14,8 @@ std::array<float, 5> single(const Law::Polynomial& p) {
   std::transform(p.begin(), p.end(), result.begin(), [](double x) { return static_cast<float>(x); });
   return result;
 }
+
+}  // namespace
 
 ResolvedLaw resolved(const BodyLaw& law, const ActiveEffects& active, const PackedSurface::Part& part, double pillow_factor) {
   ResolvedLaw result;
@@ -40,8 +39,6 @@ ResolvedLaw resolved(const BodyLaw& law, const ActiveEffects& active, const Pack
   result.pillow = result.pillow_factor > 0.0f;
   return result;
 }
-
-}  // namespace
 
 bool know(const Surface& surface, const Model& model) {
   return model.precision == Precision::single && surface.packed && surface.packed->parts.size() == surface.parts.size() &&

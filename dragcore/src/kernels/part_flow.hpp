@@ -4,7 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "drag/relative_flow.hpp"
+#include "drag/body_law.hpp"
+#include "drag/folded_model.hpp"
 #include "kernels/wrench_kernel.hpp"
 
 namespace dragcore::kernels {
@@ -17,6 +18,9 @@ bool know(const Surface& surface, const Model& model);
 inline bool pushes(std::size_t term) {
   return term == static_cast<std::size_t>(Term::curvature) || term == static_cast<std::size_t>(Term::rear_recovery);
 }
+
+/// @param pillow_factor  kappa, faded; 0: no pillow
+ResolvedLaw resolved(const BodyLaw& law, const ActiveEffects& active, const PackedSurface::Part& part, double pillow_factor);
 
 /// What the kernels need of one part in one motion, and the way back to newtons.
 struct PartFlow {

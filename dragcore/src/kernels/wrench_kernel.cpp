@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "kernels/in_chunks.hpp"
+#include "support/for_each_index.hpp"
 
 // This file is compiled once for every instruction set; the best one that the machine has is taken at run time.
 #undef HWY_TARGET_INCLUDE
@@ -269,8 +269,10 @@ PartSums part_sums(const PartTask& task) {
   const PackedSurface::Range range = task.varies ? part.groups : part.uniform;
   PartSums sums = in_chunks<PartSums>(
       range.first, range.last,
-      [&](std::size_t first, std::size_t last, PartSums& chunk) { HWY_DYNAMIC_DISPATCH(part_sums_on_target)
-                                                                  (task, first, last, chunk); },
+      [&](std::size_t first, std::size_t last, PartSums& chunk) {
+        HWY_DYNAMIC_DISPATCH(part_sums_on_target)
+        (task, first, last, chunk);
+      },
       [](PartSums& all, const PartSums& more) {
         for (std::size_t term = 0; term < all.terms.size(); ++term)
           for (std::size_t k = 0; k < 6; ++k) all.terms[term][k] += more.terms[term][k];
