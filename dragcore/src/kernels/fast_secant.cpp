@@ -60,6 +60,7 @@ std::optional<Secant> fast_secant(const Surface& surface, const Motion& motion, 
     result.given.head<3>() += pushed.force, result.given.tail<3>() += pushed.torque;
     result.given_power += part->to_newton * part->speed * sums.row[SecantSums::given_power];
   }
+  result.taken = 0.5 * (result.taken + result.taken.transpose()).eval();  // to the last bit
   return result;
 }
 

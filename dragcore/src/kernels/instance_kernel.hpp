@@ -44,7 +44,7 @@ struct InstanceSteps {
   double dt = 0.0, half_density = 0.0, area = 1.0;
   bool turns = true;  ///< spin is felt
 
-  Wide result[6];  ///< velocity relative to the air, and spin, after dt
+  alignas(64) Wide result[6];  ///< velocity relative to the air, and spin, after dt
   Wide sound;      ///< 1 where there is a result
 };
 /// @param motions  but for the spin, which is worked out here
