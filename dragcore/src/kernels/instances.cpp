@@ -54,14 +54,15 @@ void set(Row (&rows)[3], std::size_t lane, const Vector3d& v) {
   for (std::size_t axis = 0; axis < 3; ++axis) rows[axis][lane] = static_cast<float>(v[static_cast<Eigen::Index>(axis)]);
 }
 
-/// @return  whether the motion is one that lanes can do
-bool set(InstanceMotions& motions, std::size_t lane, const Motion& motion, const Felt& felt, const Vector3d& origin) {
+/// @param motions  zero at first; @param vary  the gradient may count, too  @return  whether the motion is one that lanes can do
+bool set(InstanceMotions& motions, std::size_t lane, const Motion& motion, const Felt& felt, bool vary, const Vector3d& origin) {
   set(motions.flow, lane, motion.wind - motion.velocity);
   set(motions.arm, lane, origin - motion.reference_point);
-  set(motions.spin, lane, felt.spin ? motion.angular_velocity : Vector3d(Vector3d::Zero()));
-  for (std::size_t i = 0; i < 9; ++i)
-    motions.gradient[i][lane] =
-        felt.wind ? static_cast<float>(motion.wind_gradient(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3))) : 0.0f;
+  if (vary && felt.spin) set(motions.spin, lane, motion.angular_velocity);
+  if (vary && felt.wind)
+    for (std::size_t i = 0; i < 9; ++i)
+      motions.gradient[i][lane] =
+          static_cast<float>(motion.wind_gradient(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3)));
   return !felt.wind || motion.triangle_wind.empty();
 }
 
@@ -71,7 +72,9 @@ constexpr unsigned all_of(std::size_t count) { return (1u << count) - 1u; }
 
 }  // namespace
 
-bool varies(const Motion& motion) { return !motion.angular_velocity.isZero(0.0) || !motion.wind_gradient.isZero(0.0); }
+bool varies(const Motion& motion) {
+  return motion.angular_velocity.cwiseAbs().sum() + motion.wind_gradient.cwiseAbs().sum() != 0.0;  // without a branch; of NaN, too
+}
 
 bool instanced(const Surface& surface, const Model& model) {
   if (!know(surface, model) || surface.parts.size() != 1 || surface.exposure || model.quadrature == Quadrature::adaptive) return false;
@@ -89,7 +92,7 @@ unsigned wrenches_of(std::span<const BodyInFlow* const> bodies, const Medium& me
   InstanceMotions motions{};
   unsigned left = 0;
   for (std::size_t lane = 0; lane < bodies.size(); ++lane)
-    left |= set(motions, lane, bodies[lane]->motion, felt, part.origin) ? 0u : 1u << lane;
+    left |= set(motions, lane, bodies[lane]->motion, felt, vary, part.origin) ? 0u : 1u << lane;
   InstanceWrenches found;
   instance_wrenches(task_of(surface, model, vary ? model.quadrature : Quadrature::one), motions, vary, found);
   for (std::size_t lane = 0; lane < bodies.size(); ++lane) {
@@ -97,7 +100,8 @@ unsigned wrenches_of(std::span<const BodyInFlow* const> bodies, const Medium& me
     Wrench& result = *results[lane];
     result.force = to_newton * Vector3d(found.force[0][lane], found.force[1][lane], found.force[2][lane]);
     result.torque = to_newton * part.size * Vector3d(found.torque[0][lane], found.torque[1][lane], found.torque[2][lane]);
-    if (!(speed > 0.0) || !result.force.allFinite() || !result.torque.allFinite()) left |= 1u << lane;
+    if (const double size = result.force.cwiseAbs().sum() + result.torque.cwiseAbs().sum(); !(speed > 0.0 && size < 1e300))
+      left |= 1u << lane;
   }
   return left;
 }
@@ -116,7 +120,8 @@ unsigned steps_of(std::span<const FreeBody* const> bodies, const Medium& medium,
     const FreeBody& body = *bodies[std::min(lane, bodies.size() - 1)];  // what fills up is no worse than its neighbour
     const Motion& motion = body.motion;
     const MassProperties& mass = *body.mass;
-    const bool simple = set(motions, lane, motion, felt, part.origin) && motion.wind_gradient.isZero(0.0) && mass.added.isZero(0.0) &&
+    const bool simple = set(motions, lane, motion, felt, false, part.origin) && motion.wind_gradient.isZero(0.0) &&
+                        mass.added.isZero(0.0) &&
                         (mass.inertia - mass.inertia.transpose()).cwiseAbs().maxCoeff() <= 1e-9 * mass.inertia.trace();
     if (!simple && lane < bodies.size()) left |= 1u << lane;
     steps.mass[lane] = mass.mass;
