@@ -42,23 +42,23 @@ std::optional<Secant> fast_secant(const Surface& surface, const Motion& motion, 
   if (!kernels::know(surface, model)) return std::nullopt;
   kernels::BodyFlow flow(surface, motion, medium, model);
   Secant result;
+  kernels::PartFlow part;
   for (std::size_t p = 0; p < surface.parts.size(); ++p) {
-    std::optional<kernels::PartFlow> part = flow.of(p);
-    if (!part) return std::nullopt;
-    if (part->speed == 0.0) continue;
-    if (!part->task.varies) part->task.quadrature = model.effects.has(Effect::spin) ? model.quadrature : Quadrature::one;
-    part->task.varies = true;
-    const SecantSums sums = kernels::secant_sums(part->task);
+    if (!flow.of(p, part)) return std::nullopt;
+    if (part.speed == 0.0) continue;
+    if (!part.task.varies) part.task.quadrature = model.effects.has(Effect::spin) ? model.quadrature : Quadrature::one;
+    part.task.varies = true;
+    const SecantSums sums = kernels::secant_sums(part.task);
     // From the part's origin to the reference point, and to newtons per metre per second.
     Eigen::Matrix<double, 6, 6> move = Eigen::Matrix<double, 6, 6>::Identity();
-    move.bottomRightCorner<3, 3>() *= part->size;
-    move.bottomLeftCorner<3, 3>() = cross_matrix(part->arm);
-    const double unit = part->to_newton / part->speed;
+    move.bottomRightCorner<3, 3>() *= part.size;
+    move.bottomLeftCorner<3, 3>() = cross_matrix(part.arm);
+    const double unit = part.to_newton / part.speed;
     result.taken += unit * move * matrix(sums) * move.transpose();
     const double* given = sums.row.data() + SecantSums::given;
-    const Wrench pushed = part->in_newton(Eigen::Map<const Vector3d>(given), Eigen::Map<const Vector3d>(given + 3));
+    const Wrench pushed = part.in_newton(Eigen::Map<const Vector3d>(given), Eigen::Map<const Vector3d>(given + 3));
     result.given.head<3>() += pushed.force, result.given.tail<3>() += pushed.torque;
-    result.given_power += part->to_newton * part->speed * sums.row[SecantSums::given_power];
+    result.given_power += part.to_newton * part.speed * sums.row[SecantSums::given_power];
   }
   result.taken = 0.5 * (result.taken + result.taken.transpose()).eval();  // to the last bit
   return result;

@@ -45,7 +45,7 @@ struct InstanceSteps {
   bool turns = true;  ///< spin is felt
 
   alignas(64) Wide result[6];  ///< velocity relative to the air, and spin, after dt
-  Wide sound;      ///< 1 where there is a result
+  Wide sound;                  ///< 1 where there is a result
 };
 /// @param motions  but for the spin, which is worked out here
 void instance_steps(const InstanceTask& task, InstanceMotions& motions, InstanceSteps& steps);

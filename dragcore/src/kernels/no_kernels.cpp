@@ -6,7 +6,7 @@
 
 namespace dragcore {
 
-std::optional<WrenchByTerm> fast_wrench(const Surface&, const Motion&, const Medium&, const Model&) { return std::nullopt; }
+bool fast_wrench(const Surface&, const Motion&, const Medium&, const Model&, WrenchByTerm&) { return false; }
 
 std::shared_ptr<const kernels::PackedSurface> kernels::pack(const Surface&) { return nullptr; }
 

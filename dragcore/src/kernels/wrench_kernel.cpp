@@ -21,7 +21,8 @@ namespace {
 /// Rows of sums in double: six for each of three terms, and two of power.
 struct Sums {
   static constexpr std::size_t powers = 18, rows = 20;
-  alignas(64) double row[rows][lanes / 2] = {};
+  alignas(64) double row[rows][lanes / 2];
+  void clear(std::size_t first, std::size_t count) { std::fill_n(row[first], count * (lanes / 2), 0.0); }
   HWY_INLINE void add(std::size_t first, const Sum& sum, std::size_t lane) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       add_to(row[first + axis], sum.force[axis], lane);
@@ -177,26 +178,36 @@ void part_sums_on_target(const PartTask& task, std::size_t first, std::size_t la
   static constexpr auto uniform_straights = kernels_of<Kernel, UniformStraight>(AllStraight());
   static constexpr auto varying_straights = kernels_of<Kernel, VaryingStraight>(AllStraight());
   const bool has_two_sides = task.surface->parts[task.part].two_sided;
-  const bool pulls = task.law.leeward || task.law.recovery, has_straight = pulls || (task.varies && task.law.friction);
   const Kernel windward_kernel = (task.varies ? varying_windwards : uniform_windwards)[windward_effects(task.law, has_two_sides)];
   const Kernel straight_kernel = (task.varies ? varying_straights : uniform_straights)[straight_effects(task.law, has_two_sides)];
+  // Which terms each kernel sums: three times six rows.
+  const ResolvedLaw& law = task.law;
+  const bool rubs = task.varies && law.friction;
+  const std::array<std::pair<Term, bool>, 3> windward_terms{
+      {{Term::windward_pressure, true}, {Term::base_suction, law.base}, {Term::curvature, law.curvature}}};
+  const std::array<std::pair<Term, bool>, 3> straight_terms{
+      {{Term::leeward_suction, law.leeward}, {Term::rear_recovery, law.recovery}, {Term::friction, rubs}}};
+  const auto clear = [&](Sums& sums, const auto& terms) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (terms[k].second) sums.clear(6 * k, 6);
+    if (task.varies) sums.clear(Sums::powers, 2);
+  };
   Sums windward_sums, straight_sums;
+  clear(windward_sums, windward_terms), clear(straight_sums, straight_terms);
   for_each_block(
       task, first, last,
       [&](const Air& air, std::size_t begin, std::size_t end) {
-        if (has_straight) straight_kernel(air, begin, end, straight_sums);
+        if (law.leeward || law.recovery || rubs) straight_kernel(air, begin, end, straight_sums);
       },
       [&](const Air& air, std::size_t begin, std::size_t end) { windward_kernel(air, begin, end, windward_sums); });
-  const auto take = [&](Term term, Sums& sums, std::size_t row) {
-    for (std::size_t k = 0; k < 6; ++k) result.terms[static_cast<std::size_t>(term)][k] = total<lanes / 2>(sums.row[row + k]);
+  const auto take = [&](Sums& sums, const auto& terms) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (terms[k].second)
+        for (std::size_t i = 0; i < 6; ++i)
+          result.terms[static_cast<std::size_t>(terms[k].first)][i] = total<lanes / 2>(sums.row[6 * k + i]);
   };
-  take(Term::windward_pressure, windward_sums, 0);
-  if (task.law.base) take(Term::base_suction, windward_sums, 6);
-  if (task.law.curvature) take(Term::curvature, windward_sums, 12);
-  if (task.law.leeward) take(Term::leeward_suction, straight_sums, 0);
-  if (task.law.recovery) take(Term::rear_recovery, straight_sums, 6);
+  take(windward_sums, windward_terms), take(straight_sums, straight_terms);
   if (!task.varies) return;
-  if (task.law.friction) take(Term::friction, straight_sums, 12);
   const auto power = [&](std::size_t row) {
     return total<lanes / 2>(windward_sums.row[Sums::powers + row]) + total<lanes / 2>(straight_sums.row[Sums::powers + row]);
   };
