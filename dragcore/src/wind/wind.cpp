@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "support/require.hpp"
+#include "wind/grid_kernel.hpp"
 
 namespace dragcore {
 
@@ -204,6 +205,7 @@ GridField::GridField(Grid grid) : grid_(std::move(grid)) {
   for (Eigen::Index i = 0; i < grid_.values.cols(); ++i) require_finite("grid: value " + std::to_string(i), Vector3d(grid_.values.col(i)));
   cells_per_metre_ = (grid_.points.array() - 1).cast<double>() / size;
   require(cells_per_metre_.allFinite(), "grid: upper - lower", Vector3d(size), "a cell is too small to divide by");
+  packed_ = pack(grid_);
 }
 
 Vector3d GridField::velocity(const Vector3d& point) const { return interpolate<false>(grid_, cells_per_metre_, point).velocity; }
@@ -262,6 +264,16 @@ FieldVariation GridField::variation(const Vector3d& centre, double radius, const
   return result;
 }
 
+namespace {
+
+std::array<double, 3> plain(const Vector3d& v) { return {v[0], v[1], v[2]}; }
+
+std::array<std::array<double, 3>, 3> plain(const Matrix3d& m) {
+  return {plain(Vector3d(m.row(0))), plain(Vector3d(m.row(1))), plain(Vector3d(m.row(2)))};
+}
+
+}  // namespace
+
 WindSampling choose_sampling(const WindVariation& variation, double tolerance) {
   if (variation.constant <= tolerance) return WindSampling::constant;
   return variation.affine <= tolerance ? WindSampling::affine : WindSampling::per_triangle;
@@ -269,6 +281,7 @@ WindSampling choose_sampling(const WindVariation& variation, double tolerance) {
 
 Wind::Wind(const std::vector<WindSource>& sources, double time) : time_(time) {
   require_finite("wind: time", time);
+  std::vector<PlacedGrid> grids;
   sources_.reserve(sources.size());
   for (const WindSource& source : sources) {
     const std::string name = "wind source '" + source.name + "': ";
@@ -320,8 +333,27 @@ Wind::Wind(const std::vector<WindSource>& sources, double time) : time_(time) {
                             Vector3d::Constant(1e-14 * position.norm());
       placed.box = placed.box.intersection(Eigen::AlignedBox3d(position - half, position + half));
     }
+    if (grid && (*grid)->packed()) {
+      const GridField& field = **grid;
+      const Matrix3d turn = field.packed()->largest * placed.turn;
+      placed.packed = turn.allFinite() && std::isfinite(1.0 / source.fade_radius);  // else: numbers beyond what factors can be
+      if (placed.packed)
+        grids.push_back({.packed = field.packed(),
+                         .points = {field.grid().points[0], field.grid().points[1], field.grid().points[2]},
+                         .lower = plain(field.grid().lower),
+                         .upper = plain(field.grid().upper),
+                         .cells_per_metre = plain(Vector3d(field.cells_per_metre())),
+                         .position = plain(position),
+                         .to_field = plain(placed.to_field),
+                         .turn = plain(turn),
+                         .zero_outside = field.grid().outside == Outside::zero,
+                         .per_fade_radius = 1.0 / source.fade_radius,
+                         .box_min = plain(placed.box.min()),
+                         .box_max = plain(placed.box.max())});
+    }
     sources_.push_back(std::move(placed));
   }
+  if (!grids.empty()) grids_ = std::make_shared<const std::vector<PlacedGrid>>(std::move(grids));
 }
 
 namespace {
@@ -380,14 +412,22 @@ Eigen::AlignedBox3d box_of(const Eigen::Ref<const Eigen::Matrix3Xd>& points) {
 
 }  // namespace
 
-Eigen::Matrix3Xd Wind::velocities(const Eigen::Ref<const Eigen::Matrix3Xd>& points) const {
-  Eigen::Matrix3Xd result(3, points.cols());
+Eigen::Matrix3Xd Wind::velocities(const Eigen::Ref<const Eigen::Matrix3Xd>& points, Precision precision) const {
+  Eigen::Matrix3Xd result = Eigen::Matrix3Xd::Zero(3, points.cols());
   if (points.cols() == 0) return result;
+  const bool by_kernel = precision == Precision::single && grids_;
+  bool finite = true;
+  if (by_kernel) {
+    if (points.outerStride() != 3) return velocities(Eigen::Matrix3Xd(points), precision);
+    finite = add_grids(*grids_, points.data(), static_cast<std::size_t>(points.cols()), result.data());
+    if (grids_->size() == sources_.size() && finite) return result;
+  }
   const std::vector<std::size_t> near = sources_near(box_of(points));
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    WindSample sum;
-    for (const std::size_t source : near) add<false>(sources_[source], points.col(i), sum);
-    result.col(i) = sum.velocity;
+    WindSample sum{.velocity = result.col(i)};
+    for (const std::size_t source : near)
+      if (!by_kernel || !sources_[source].packed) add<false>(sources_[source], points.col(i), sum);
+    result.col(i) = finite || points.col(i).allFinite() ? sum.velocity : velocity(points.col(i));
   }
   return result;
 }

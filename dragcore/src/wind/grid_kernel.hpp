@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <dragcore/wind.hpp>
+#include <memory>
+#include <vector>
+
+namespace dragcore {
+
+/// Values of a grid in single precision, in units of `largest`. A point is a row of four floats, the last of them nothing, so that one load
+/// brings it; x is fastest, and a grid of one point along x has it twice, so that a cell is always two neighbours in memory.
+struct PackedGrid {
+  std::vector<float> rows;
+  double largest = 0.0;  ///< absolute value of a component [m/s]
+};
+
+/// Empty where the library is built without kernels, and for grids of more than 2^31 points.
+std::shared_ptr<const PackedGrid> pack(const Grid& grid);
+
+/// A grid in the world: (W1) of docs/wind.md in plain numbers.
+struct PlacedGrid {
+  std::shared_ptr<const PackedGrid> packed;
+  std::array<int, 3> points{};
+  std::array<double, 3> lower{}, upper{}, cells_per_metre{}, position{};
+  std::array<std::array<double, 3>, 3> to_field{}, turn{};  ///< by rows; `turn` times the largest value
+  bool zero_outside = true;
+  double per_fade_radius = 0.0;  ///< 0: does not fade [1/m]
+  std::array<double, 3> box_min{}, box_max{};
+};
+
+/// Adds the velocities of all grids at `count` points, x y z after each other, in order. A point's result does not depend on the points
+/// beside it.
+/// @return whether all points are finite; of one that is not the result is some number
+/// @accuracy  where a point lies, and whether inside: as in double precision. Velocities: 1e-6 of the grid's largest value
+bool add_grids(const std::vector<PlacedGrid>& grids, const double* points, std::size_t count, double* velocities);
+
+}  // namespace dragcore
