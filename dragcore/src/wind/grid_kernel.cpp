@@ -25,6 +25,7 @@ constexpr D d;
 constexpr std::size_t wide = hn::MaxLanes(D());
 using V = hn::Vec<D>;
 const hn::Rebind<float, D> narrow;
+const hn::Rebind<std::int32_t, D> whole;
 
 /// a + s (b - a)
 template <class Tag>
@@ -32,22 +33,27 @@ HWY_INLINE hn::Vec<Tag> between(Tag tag, hn::Vec<Tag> a, hn::Vec<Tag> b, float s
   return hn::MulAdd(hn::Set(tag, s), hn::Sub(b, a), a);
 }
 
+/// Where the rows of a cell begin that are nearest and next along y, z and both.
+struct Corners {
+  const float *here, *along_y, *along_z, *along_yz;
+};
+
 /// The row at the fractions (x, y, z) of a cell: its eight corners are four pairs of rows, neighbours along x. Along z and y whole pairs
 /// are worked on where a vector holds one.
 template <class Tag>
-HWY_INLINE void interpolate(Tag pair, const float* cell, std::size_t to_y, std::size_t to_z, float x, float y, float z, float* row) {
-  const auto along_yz = [&](auto tag, const float* at) {
-    const auto near = between(tag, hn::LoadU(tag, at), hn::LoadU(tag, at + to_y), y);
-    return between(tag, near, between(tag, hn::LoadU(tag, at + to_z), hn::LoadU(tag, at + to_y + to_z), y), z);
+HWY_INLINE void interpolate(Tag pair, const Corners& corners, std::size_t cell, float x, float y, float z, float* row) {
+  const auto in_yz = [&](auto tag, std::size_t at) {
+    return between(tag, between(tag, hn::LoadU(tag, corners.here + at), hn::LoadU(tag, corners.along_y + at), y),
+                   between(tag, hn::LoadU(tag, corners.along_z + at), hn::LoadU(tag, corners.along_yz + at), y), z);
   };
   if constexpr (hn::MaxLanes(Tag()) == 8) {
     const hn::Half<Tag> one;
-    const auto both = along_yz(pair, cell);
+    const auto both = in_yz(pair, cell);
     // Without hn:: because vectors of one lane have no halves, and no such function.
     hn::Store(between(one, LowerHalf(one, both), UpperHalf(one, both), x), one, row);
   } else {
     for (std::size_t k = 0; k < 4; k += hn::MaxLanes(Tag()))
-      hn::Store(between(pair, along_yz(pair, cell + k), along_yz(pair, cell + 4 + k), x), pair, row + k);
+      hn::Store(between(pair, in_yz(pair, cell + k), in_yz(pair, cell + 4 + k), x), pair, row + k);
   }
 }
 
@@ -55,36 +61,47 @@ class GridSum {
  public:
   bool run(const std::vector<PlacedGrid>& grids, const double* points, std::size_t count, double* velocities) {
     bool finite = true;
+    HWY_ALIGN double part[3 * block];  // of a block that is not full
     for (std::size_t first = 0; first < count; first += block) {
       const std::size_t here = std::min(block, count - first);
+      const double* from = points + 3 * first;
+      double* to = velocities + 3 * first;
       filled_ = (here + group - 1) / group * group;
-      finite &= load(points + 3 * first, here);
+      if (here < filled_) {  // the last point again and again
+        for (std::size_t k = 0; k < filled_; ++k) std::copy_n(from + 3 * std::min(k, here - 1), 3, part + 3 * k);
+        from = part;
+      }
+      finite &= load(from);
       for (auto& axis : sum_) std::fill_n(axis, filled_, 0.0);
       for (const PlacedGrid& grid : grids)
         if (meets(grid)) add(grid);
-      for (std::size_t k = 0; k < here; ++k)
-        for (std::size_t axis = 0; axis < 3; ++axis) velocities[3 * (first + k) + axis] += sum_[axis][k];
+      for (std::size_t k = 0; k < filled_; k += wide)
+        hn::StoreInterleaved3(hn::Load(d, sum_[0] + k), hn::Load(d, sum_[1] + k), hn::Load(d, sum_[2] + k), d,
+                              (here < filled_ ? part : to) + 3 * k);
+      if (here < filled_) std::copy_n(part, 3 * here, to);
     }
     return finite;
   }
 
  private:
-  /// The block's points axis by axis, and their box. What fills the last group up is the last point again.
-  bool load(const double* points, std::size_t count) {
-    for (std::size_t k = 0; k < filled_; ++k)
-      for (std::size_t axis = 0; axis < 3; ++axis) place_[axis][k] = points[3 * std::min(k, count - 1) + axis];
-    constexpr double infinity = std::numeric_limits<double>::infinity();
+  /// The block's points axis by axis, and their box.   @return whether all are finite
+  bool load(const double* points) {
+    const V infinity = hn::Set(d, std::numeric_limits<double>::infinity());
+    V low[3] = {infinity, infinity, infinity}, high[3] = {hn::Neg(infinity), hn::Neg(infinity), hn::Neg(infinity)};
     auto finite = hn::Eq(hn::Zero(d), hn::Zero(d));
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      V low = hn::Set(d, infinity), high = hn::Set(d, -infinity);
-      for (std::size_t k = 0; k < filled_; k += wide) {
-        const V p = hn::Load(d, place_[axis] + k);
-        const auto number = hn::Eq(hn::Sub(p, p), hn::Zero(d));
+    for (std::size_t k = 0; k < filled_; k += wide) {
+      V p[3];
+      hn::LoadInterleaved3(d, points + 3 * k, p[0], p[1], p[2]);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        hn::Store(p[axis], d, place_[axis] + k);
+        const auto number = hn::Lt(hn::Abs(p[axis]), infinity);
         finite = hn::And(finite, number);
-        low = hn::IfThenElse(number, hn::Min(low, p), low);
-        high = hn::IfThenElse(number, hn::Max(high, p), high);
+        low[axis] = hn::Min(low[axis], hn::IfThenElse(number, p[axis], infinity));
+        high[axis] = hn::Max(high[axis], hn::IfThenElse(number, p[axis], hn::Neg(infinity)));
       }
-      min_[axis] = hn::GetLane(hn::MinOfLanes(d, low)), max_[axis] = hn::GetLane(hn::MaxOfLanes(d, high));
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      min_[axis] = hn::GetLane(hn::MinOfLanes(d, low[axis])), max_[axis] = hn::GetLane(hn::MaxOfLanes(d, high[axis]));
     }
     return hn::AllTrue(d, finite);
   }
@@ -97,57 +114,71 @@ class GridSum {
 
   void add(const PlacedGrid& grid) {
     const float* rows = grid.packed->rows.data();
-    const auto to_y = static_cast<std::size_t>(grid.points[1] > 1 ? 4 * stride_y(grid) : 0),
-               to_z = static_cast<std::size_t>(grid.points[2] > 1 ? 4 * stride_y(grid) * grid.points[1] : 0);
+    const auto [row, line, layer] = grid.strides;
+    const std::int64_t to_y = grid.last_cell[1] < grid.last_point[1] ? line : 0, to_z = grid.last_cell[2] < grid.last_point[2] ? layer : 0;
+    const Corners corners{rows, rows + to_y, rows + to_z, rows + to_y + to_z};
+    // Turned only when the whole block is interpolated: rows that have just been stored one by one cannot yet be loaded as one vector.
+    std::size_t hit[block / group], hits = 0;
     for (std::size_t first = 0; first < filled_; first += group) {
-      if (!locate(grid, first)) continue;
+      if (!(grid.per_fade_radius > 0.0 ? locate<true>(grid, first) : locate<false>(grid, first))) continue;
+      hit[hits++] = first;
       for (std::size_t k = 0; k < group; ++k)
-        interpolate(hn::CappedTag<float, 8>(), rows + 4 * static_cast<std::size_t>(cell_[k]), to_y, to_z, fraction_[0][k], fraction_[1][k],
-                    fraction_[2][k], row_ + 4 * k);
-      turn(grid, first);
+        interpolate(hn::CappedTag<float, 8>(), corners, static_cast<std::size_t>(cell_[k]), fraction_[0][k], fraction_[1][k],
+                    fraction_[2][k], row_ + 4 * (first + k));
     }
+    for (std::size_t i = 0; i < hits; ++i) turn(grid, hit[i]);
   }
 
-  static std::int64_t stride_y(const PlacedGrid& grid) { return std::max(grid.points[0], 2); }
-
-  /// Cells and fractions of the points of a group, and what the field counts there: nothing outside, less where it fades. Products and sums
-  /// are those of double precision, one after the other, so that both find the same points inside.
-  /// @return whether it counts anywhere
-  bool locate(const PlacedGrid& grid, std::size_t first) {
+  /// Cells and fractions of the points of a group, and the share of the field there: nothing outside, less where it fades. Products and
+  /// sums are those of double precision, one after the other, so that both find the same points inside.
+  /// @return whether there is any
+  template <bool fades>
+  HWY_INLINE bool locate(const PlacedGrid& grid, std::size_t first) {
+    constexpr std::size_t vectors = group / wide;
     const V one = hn::Set(d, 1.0), zero = hn::Zero(d);
-    const double stride[3] = {1.0, static_cast<double>(stride_y(grid)), static_cast<double>(stride_y(grid) * grid.points[1])};
-    bool any = false;
-    for (std::size_t k = 0; k < group; k += wide) {
-      V from[3];
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        from[axis] = hn::Sub(hn::Load(d, place_[axis] + first + k), hn::Set(d, grid.position[axis]));
-      auto outside = hn::Gt(zero, zero);
-      V cell = zero, distance2 = zero;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto& to_field = grid.to_field[axis];
-        const V local = hn::Add(hn::Mul(hn::Set(d, to_field[0]), from[0]),
-                                hn::Add(hn::Mul(hn::Set(d, to_field[1]), from[1]), hn::Mul(hn::Set(d, to_field[2]), from[2])));
-        const V lower = hn::Set(d, grid.lower[axis]), upper = hn::Set(d, grid.upper[axis]),
-                per_metre = hn::Set(d, grid.cells_per_metre[axis]);
-        const V last = hn::Set(d, grid.points[axis] - 1);
-        outside = hn::Or(outside, hn::Or(hn::Lt(local, lower), hn::Gt(local, upper)));
+    HWY_ALIGN double from[3][group];
+    V depth[vectors], cell[vectors], distance2[vectors];
+    for (std::size_t i = 0; i < vectors; ++i) depth[i] = one, cell[i] = distance2[i] = zero;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (std::size_t k = 0; k < group; k += wide)
+        hn::Store(hn::Sub(hn::Load(d, place_[axis] + first + k), hn::Set(d, grid.position[axis])), d, from[axis] + k);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const V to_x = hn::Set(d, grid.to_field[axis][0]), to_y = hn::Set(d, grid.to_field[axis][1]),
+              to_z = hn::Set(d, grid.to_field[axis][2]);
+      const V lower = hn::Set(d, grid.lower[axis]), upper = hn::Set(d, grid.upper[axis]),
+              per_metre = hn::Set(d, grid.cells_per_metre[axis]);
+      const V last_point = hn::Set(d, grid.last_point[axis]), last_cell = hn::Set(d, grid.last_cell[axis]);
+      const V stride = hn::Set(d, static_cast<double>(grid.strides[axis])), per_fade_radius = hn::Set(d, grid.per_fade_radius);
+      for (std::size_t i = 0, k = 0; i < vectors; ++i, k += wide) {
+        const V local = hn::Add(hn::Mul(to_x, hn::Load(d, from[0] + k)),
+                                hn::Add(hn::Mul(to_y, hn::Load(d, from[1] + k)), hn::Mul(to_z, hn::Load(d, from[2] + k))));
         const V from_lower = hn::Sub(local, lower), from_upper = hn::Sub(upper, local);
-        V t = hn::IfThenElse(hn::Lt(from_lower, from_upper), hn::Mul(from_lower, per_metre), hn::Sub(last, hn::Mul(from_upper, per_metre)));
-        t = hn::Min(hn::IfThenElseZero(hn::Gt(t, zero), t), last);  // what is not a number: the first cell
-        const V below = hn::Min(hn::Floor(t), hn::Set(d, std::max(grid.points[axis] - 2, 0)));
+        depth[i] = hn::Min(depth[i], hn::Min(from_lower, from_upper));
+        V t = hn::IfThenElse(hn::Lt(from_lower, from_upper), hn::Mul(from_lower, per_metre),
+                             hn::Sub(last_point, hn::Mul(from_upper, per_metre)));
+        t = hn::Min(hn::IfThenElseZero(hn::Gt(t, zero), t), last_point);  // what is not a number: the first cell
+        const V below = hn::Min(hn::Floor(t), last_cell);
         hn::Store(hn::DemoteTo(narrow, hn::Sub(t, below)), narrow, fraction_[axis] + k);
-        cell = hn::Add(cell, hn::Mul(below, hn::Set(d, stride[axis])));
-        const V q = hn::Mul(local, hn::Set(d, grid.per_fade_radius));
-        distance2 = hn::Add(distance2, hn::Mul(q, q));
+        cell[i] = hn::Add(cell[i], hn::Mul(below, stride));
+        if constexpr (fades) {
+          const V q = hn::Mul(local, per_fade_radius);
+          distance2[i] = hn::Add(distance2[i], hn::Mul(q, q));
+        }
       }
-      hn::Store(hn::DemoteTo(hn::Rebind<std::int32_t, D>(), cell), hn::Rebind<std::int32_t, D>(), cell_ + k);
-      const V fade = hn::Sub(one, distance2);
-      V share = hn::IfThenElseZero(hn::Gt(fade, zero), hn::Mul(fade, fade));
-      if (grid.zero_outside) share = hn::IfThenZeroElse(outside, share);
-      hn::Store(share, d, share_ + k);
-      any |= !hn::AllFalse(d, hn::Gt(share, zero));
     }
-    return any;
+    auto some = hn::Gt(zero, zero);
+    for (std::size_t i = 0, k = 0; i < vectors; ++i, k += wide) {
+      hn::Store(hn::DemoteTo(whole, cell[i]), whole, cell_ + k);
+      V share = one;
+      if constexpr (fades) {
+        const V fade = hn::Sub(one, distance2[i]);
+        share = hn::IfThenElseZero(hn::Gt(fade, zero), hn::Mul(fade, fade));
+      }
+      if (grid.zero_outside) share = hn::IfThenZeroElse(hn::Lt(depth[i], zero), share);
+      hn::Store(share, d, share_ + first + k);
+      some = hn::Or(some, hn::Gt(share, zero));
+    }
+    return !hn::AllFalse(d, some);
   }
 
   /// Into the world's axes, and onto the sum.
@@ -155,11 +186,11 @@ class GridSum {
     HWY_ALIGN float velocity[3][group];
     for (std::size_t k = 0; k < group; k += hn::MaxLanes(F())) {
       hn::Vec<F> x, y, z, nothing;
-      hn::LoadInterleaved4(f, row_ + 4 * k, x, y, z, nothing);
+      hn::LoadInterleaved4(f, row_ + 4 * (first + k), x, y, z, nothing);
       hn::Store(x, f, velocity[0] + k), hn::Store(y, f, velocity[1] + k), hn::Store(z, f, velocity[2] + k);
     }
     for (std::size_t k = 0; k < group; k += wide) {
-      const V share = hn::Load(d, share_ + k);
+      const V share = hn::Load(d, share_ + first + k);
       V local[3];
       for (std::size_t axis = 0; axis < 3; ++axis) local[axis] = hn::Mul(share, hn::PromoteTo(d, hn::Load(narrow, velocity[axis] + k)));
       for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -176,14 +207,15 @@ class GridSum {
   double min_[3], max_[3];
   HWY_ALIGN double place_[3][block];
   HWY_ALIGN double sum_[3][block];
+  // Of the grid at hand.
+  HWY_ALIGN double share_[block];
+  HWY_ALIGN float row_[4 * block];
   // Of the group at hand.
-  HWY_ALIGN double share_[group];
   HWY_ALIGN float fraction_[3][group];
-  HWY_ALIGN float row_[4 * group];
   HWY_ALIGN std::int32_t cell_[group];
 };
 
-bool add_grids_on_target(const std::vector<PlacedGrid>& grids, const double* points, std::size_t count, double* velocities) {
+bool sum_of_grids_on_target(const std::vector<PlacedGrid>& grids, const double* points, std::size_t count, double* velocities) {
   return GridSum().run(grids, points, count, velocities);
 }
 
@@ -193,15 +225,15 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace dragcore {
 
-HWY_EXPORT(add_grids_on_target);
+HWY_EXPORT(sum_of_grids_on_target);
 
-bool add_grids(const std::vector<PlacedGrid>& grids, const double* points, std::size_t count, double* velocities) {
-  return HWY_DYNAMIC_DISPATCH(add_grids_on_target)(grids, points, count, velocities);
+bool sum_of_grids(const std::vector<PlacedGrid>& grids, const double* points, std::size_t count, double* velocities) {
+  return HWY_DYNAMIC_DISPATCH(sum_of_grids_on_target)(grids, points, count, velocities);
 }
 
 std::shared_ptr<const PackedGrid> pack(const Grid& grid) {
   const Eigen::Index repeated = grid.points[0] == 1 ? 2 : 1;
-  if (repeated * grid.values.cols() > std::numeric_limits<std::int32_t>::max()) return nullptr;
+  if (4 * repeated * grid.values.cols() > std::numeric_limits<std::int32_t>::max()) return nullptr;
   PackedGrid packed{.rows = std::vector<float>(static_cast<std::size_t>(4 * repeated * grid.values.cols())),
                     .largest = grid.values.cwiseAbs().maxCoeff()};
   if (packed.largest > 0.0) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <dragcore/wind.hpp>
 #include <memory>
 #include <vector>
@@ -15,13 +16,14 @@ struct PackedGrid {
   double largest = 0.0;  ///< absolute value of a component [m/s]
 };
 
-/// Empty where the library is built without kernels, and for grids of more than 2^31 points.
+/// Empty where the library is built without kernels, and for grids of 2^29 points and more.
 std::shared_ptr<const PackedGrid> pack(const Grid& grid);
 
 /// A grid in the world: (W1) of docs/wind.md in plain numbers.
 struct PlacedGrid {
   std::shared_ptr<const PackedGrid> packed;
-  std::array<int, 3> points{};
+  std::array<std::int64_t, 3> strides{};            ///< from a point to the next along an axis, in floats
+  std::array<double, 3> last_point{}, last_cell{};  ///< numbers, from 0
   std::array<double, 3> lower{}, upper{}, cells_per_metre{}, position{};
   std::array<std::array<double, 3>, 3> to_field{}, turn{};  ///< by rows; `turn` times the largest value
   bool zero_outside = true;
@@ -29,10 +31,10 @@ struct PlacedGrid {
   std::array<double, 3> box_min{}, box_max{};
 };
 
-/// Adds the velocities of all grids at `count` points, x y z after each other, in order. A point's result does not depend on the points
+/// The sum of the velocities of all grids at `count` points, x y z after each other. A point's result does not depend on the points
 /// beside it.
 /// @return whether all points are finite; of one that is not the result is some number
 /// @accuracy  where a point lies, and whether inside: as in double precision. Velocities: 1e-6 of the grid's largest value
-bool add_grids(const std::vector<PlacedGrid>& grids, const double* points, std::size_t count, double* velocities);
+bool sum_of_grids(const std::vector<PlacedGrid>& grids, const double* points, std::size_t count, double* velocities);
 
 }  // namespace dragcore

@@ -336,10 +336,14 @@ Wind::Wind(const std::vector<WindSource>& sources, double time) : time_(time) {
     if (grid && (*grid)->packed()) {
       const GridField& field = **grid;
       const Matrix3d turn = field.packed()->largest * placed.turn;
+      const Eigen::Vector3i points = field.grid().points;
+      const std::int64_t line = 4 * std::max(points[0], 2);
       placed.packed = turn.allFinite() && std::isfinite(1.0 / source.fade_radius);  // else: numbers beyond what factors can be
       if (placed.packed)
         grids.push_back({.packed = field.packed(),
-                         .points = {field.grid().points[0], field.grid().points[1], field.grid().points[2]},
+                         .strides = {4, line, line * points[1]},
+                         .last_point = plain(Vector3d((points.array() - 1).cast<double>())),
+                         .last_cell = plain(Vector3d((points.array() - 2).max(0).cast<double>())),
                          .lower = plain(field.grid().lower),
                          .upper = plain(field.grid().upper),
                          .cells_per_metre = plain(Vector3d(field.cells_per_metre())),
@@ -413,15 +417,18 @@ Eigen::AlignedBox3d box_of(const Eigen::Ref<const Eigen::Matrix3Xd>& points) {
 }  // namespace
 
 Eigen::Matrix3Xd Wind::velocities(const Eigen::Ref<const Eigen::Matrix3Xd>& points, Precision precision) const {
-  Eigen::Matrix3Xd result = Eigen::Matrix3Xd::Zero(3, points.cols());
+  Eigen::Matrix3Xd result(3, points.cols());
   if (points.cols() == 0) return result;
   const bool by_kernel = precision == Precision::single && grids_;
   bool finite = true;
-  if (by_kernel) {
+  if (!by_kernel) {
+    result.setZero();
+  } else {
     if (points.outerStride() != 3) return velocities(Eigen::Matrix3Xd(points), precision);
-    finite = add_grids(*grids_, points.data(), static_cast<std::size_t>(points.cols()), result.data());
+    finite = sum_of_grids(*grids_, points.data(), static_cast<std::size_t>(points.cols()), result.data());
     if (grids_->size() == sources_.size() && finite) return result;
   }
+  if (sources_.empty()) return result;
   const std::vector<std::size_t> near = sources_near(box_of(points));
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
     WindSample sum{.velocity = result.col(i)};
