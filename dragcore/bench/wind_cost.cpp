@@ -4,14 +4,18 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <dragcore/wind.hpp>
+#include <dragcore/body_wind.hpp>
+#include <dragcore/follower.hpp>
+#include <dragcore/gust.hpp>
+#include <dragcore/shapes.hpp>
 #include <functional>
 #include <random>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "kernels/wrench_kernel.hpp"
@@ -37,28 +41,23 @@ double nanoseconds(double per, const std::function<void()>& work) {
   return 1e9 * best / per;
 }
 
-/// Trilinear interpolation as one writes it down first, in single precision: three floats a point, no placement, no sum.
+/// A placed grid as one writes it down first, in single precision: three floats a point, sampled point by point.
 struct TextbookGrid {
   int points;
   float lower, cells_per_metre;
   std::vector<Vector3f> values;
 
-  Vector3f operator()(const Vector3f& point) const {
-    const Vector3f t = (point.array() - lower) * cells_per_metre;
+  Vector3f velocity(const Eigen::Matrix3f& rotation, const Vector3f& point) const {
+    const Vector3f t = ((rotation.transpose() * point).array() - lower) * cells_per_metre;
     if ((t.array() < 0.0f).any() || (t.array() > static_cast<float>(points - 1)).any()) return Vector3f::Zero();
-    std::array<int, 3> cell;
-    std::array<float, 3> part;
-    for (int a = 0; a < 3; ++a) {
-      cell[static_cast<std::size_t>(a)] = std::min(static_cast<int>(t[a]), points - 2);
-      part[static_cast<std::size_t>(a)] = t[a] - static_cast<float>(cell[static_cast<std::size_t>(a)]);
-    }
+    const Eigen::Vector3i cell = t.cast<int>().cwiseMin(points - 2);
+    const Vector3f part = t - cell.cast<float>();
     const auto value = [&](int i, int j, int k) -> const Vector3f& {
-      return values[(static_cast<std::size_t>(cell[2] + k) * static_cast<std::size_t>(points) + static_cast<std::size_t>(cell[1] + j)) *
-                        static_cast<std::size_t>(points) +
-                    static_cast<std::size_t>(cell[0] + i)];
+      return values[static_cast<std::size_t>(((cell[2] + k) * points + cell[1] + j) * points + cell[0] + i)];
     };
     const auto between = [](const Vector3f& a, const Vector3f& b, float f) -> Vector3f { return (1.0f - f) * a + f * b; };
-    return between(between(between(value(0, 0, 0), value(1, 0, 0), part[0]), between(value(0, 1, 0), value(1, 1, 0), part[0]), part[1]),
+    return rotation *
+           between(between(between(value(0, 0, 0), value(1, 0, 0), part[0]), between(value(0, 1, 0), value(1, 1, 0), part[0]), part[1]),
                    between(between(value(0, 0, 1), value(1, 0, 1), part[0]), between(value(0, 1, 1), value(1, 1, 1), part[0]), part[1]),
                    part[2]);
   }
@@ -103,9 +102,13 @@ void grids() {
     for (const auto& value : field->grid().values.colwise()) textbook.values.push_back(value.cast<float>());
     for (const int fields : {1, 5, 20}) {
       std::vector<WindSource> sources;
+      std::vector<Eigen::Matrix3f> rotations;
       // Turned by little, so that every field reaches every point of both kinds but few corners.
-      for (int i = 0; i < fields; ++i)
-        sources.push_back({.field = field, .placement = {.rotation = Eigen::AngleAxisd(0.01 * i, Vector3d::UnitZ()).toRotationMatrix()}});
+      for (int i = 0; i < fields; ++i) {
+        const Eigen::Matrix3d rotation = Eigen::AngleAxisd(0.01 * i, Vector3d::UnitZ()).toRotationMatrix();
+        sources.push_back({.field = field, .placement = {.rotation = rotation}});
+        rotations.push_back(rotation.cast<float>());
+      }
       const Wind wind(sources);
       for (const bool coherent : {true, false}) {
         const Eigen::Matrix3Xd points = points_on_box(coherent, coherent ? 2048 : 100'000);
@@ -115,7 +118,7 @@ void grids() {
         const double loop = nanoseconds(samples, [&] {
           for (const Vector3f& point : placed) {
             Vector3f sum = Vector3f::Zero();
-            for (int i = 0; i < fields; ++i) sum += textbook(point);
+            for (const Eigen::Matrix3f& rotation : rotations) sum += textbook.velocity(rotation, point);
             sink += static_cast<double>(sum.x());
           }
         });
@@ -129,11 +132,77 @@ void grids() {
   }
 }
 
+/// Per triangle of a ball that is sampled triangle by triangle among five fields; per body for the cube.
+void bodies() {
+  std::vector<WindSource> sources;
+  const auto field = std::make_shared<const GridField>(noisy(32));
+  for (int i = 0; i < 5; ++i)
+    sources.push_back({.field = field, .placement = {.rotation = Eigen::AngleAxisd(0.01 * i, Vector3d::UnitZ()).toRotationMatrix()}});
+  const Wind windy(sources), calm({});
+  std::printf("\n| body, wind by triangles | fields | double | single | double / single |\n|---|---|---|---|---|\n");
+  for (const auto& [name, shape, divisions] :
+       {std::tuple<const char*, Shape, int>{"ball of 2,048, a triangle", Sphere{}, 16}, {"cube of 12, a call", Box{}, 1}}) {
+    const Surface surface(triangulate(shape, divisions));
+    for (const Wind* wind : {&windy, &calm}) {
+      const auto cost = [&](Precision precision) {
+        return nanoseconds(surface.size() < 100 ? 1.0 : static_cast<double>(surface.size()), [&] {
+          Motion motion;
+          const BodyWind here(*wind, surface, {}, Vector3d::Zero(), WindSampling::per_triangle, precision);
+          here.apply_to(motion);
+          sink += motion.triangle_wind[0].x();
+        });
+      };
+      const double full = cost(Precision::full), single = cost(Precision::single);
+      std::printf("| %s | %d | %.1f | %.1f | %.1f |\n", name, wind == &windy ? 5 : 0, full, single, full / single);
+    }
+  }
+}
+
+/// Milliseconds for 100,000.
+void batches() {
+  constexpr std::size_t count = 100'000;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  std::normal_distribution<double> normal;
+  std::vector<double> times(count), factors(count);
+  for (double& time : times) time = uniform(random);
+  std::printf("\n| 100,000 of | one by one, ms | batch, ms | ratio |\n|---|---|---|---|\n");
+  const auto row = [&](const char* name, const std::function<void()>& one_by_one, const std::function<void()>& batch) {
+    const double slow = 1e-6 * nanoseconds(1.0, one_by_one), fast = 1e-6 * nanoseconds(1.0, batch);
+    std::printf("| %s | %.2f | %.2f | %.1f |\n", name, slow, fast, slow / fast);
+  };
+  for (const auto& [name, gust] : {std::pair<const char*, Gust>{"gusts, note's, p = 1", {}},
+                                   {"gusts, note's, p = 0.7", {.exponent = 0.7}},
+                                   {"gusts, 1 − cos", {.profile = GustProfile::one_minus_cosine}}})
+    row(
+        name,
+        [&, &gust = gust] {
+          for (std::size_t i = 0; i < count; ++i) factors[i] = gust_factor(gust, times[i]);
+        },
+        [&, &gust = gust] { gust_factors(gust, times, factors); });
+  std::vector<FollowerState> states(count);
+  std::vector<Vector3d> winds(count);
+  for (Vector3d& wind : winds) wind = 5.0 * Vector3d(normal(random), normal(random), normal(random));
+  for (const auto& [name, follower] : {std::pair<const char*, Follower>{"followers, linear lag", {}},
+                                       {"followers, quadratic lag", {.lag = FollowerLag::quadratic}},
+                                       {"followers, quadratic lag, turning into the wind",
+                                        {.lag = FollowerLag::quadratic, .facing = Facing::into_wind, .inertia = Vector3d(1, 2, 3)}}})
+    row(
+        name,
+        [&, &follower = follower] {
+          for (std::size_t i = 0; i < count; ++i) states[i] = step(follower, states[i], winds[i], 1e-3);
+        },
+        [&, &follower = follower] { step(follower, states, winds, 1e-3); });
+  sink += factors[0] + states[0].position.x();
+}
+
 }  // namespace
 
 int main(int count, char** words) {
   if (count > 1) kernels::force_target(words[1]);
   std::printf("Kernels for %s.\n", count > 1 ? words[1] : kernels::targets().front().c_str());
   grids();
+  bodies();
+  batches();
   if (sink == 42.0) std::printf("\n");
 }
