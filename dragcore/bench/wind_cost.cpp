@@ -11,6 +11,7 @@
 #include <dragcore/follower.hpp>
 #include <dragcore/gust.hpp>
 #include <dragcore/shapes.hpp>
+#include <dragcore/turbulence.hpp>
 #include <functional>
 #include <random>
 #include <string>
@@ -158,7 +159,6 @@ void bodies() {
   }
 }
 
-/// Milliseconds for 100,000.
 void batches() {
   constexpr std::size_t count = 100'000;
   std::mt19937 random(3);
@@ -166,14 +166,14 @@ void batches() {
   std::normal_distribution<double> normal;
   std::vector<double> times(count), factors(count);
   for (double& time : times) time = uniform(random);
-  std::printf("\n| 100,000 of | one by one, ms | batch, ms | ratio |\n|---|---|---|---|\n");
+  std::printf("\n| batch | one by one, ms | batch, ms | ratio |\n|---|---|---|---|\n");
   const auto row = [&](const char* name, const std::function<void()>& one_by_one, const std::function<void()>& batch) {
     const double slow = 1e-6 * nanoseconds(1.0, one_by_one), fast = 1e-6 * nanoseconds(1.0, batch);
     std::printf("| %s | %.2f | %.2f | %.1f |\n", name, slow, fast, slow / fast);
   };
-  for (const auto& [name, gust] : {std::pair<const char*, Gust>{"gusts, note's, p = 1", {}},
-                                   {"gusts, note's, p = 0.7", {.exponent = 0.7}},
-                                   {"gusts, 1 − cos", {.profile = GustProfile::one_minus_cosine}}})
+  for (const auto& [name, gust] : {std::pair<const char*, Gust>{"100,000 gusts, note's, p = 1", {}},
+                                   {"100,000 gusts, note's, p = 0.7", {.exponent = 0.7}},
+                                   {"100,000 gusts, 1 − cos", {.profile = GustProfile::one_minus_cosine}}})
     row(
         name,
         [&, &gust = gust] {
@@ -183,9 +183,9 @@ void batches() {
   std::vector<FollowerState> states(count);
   std::vector<Vector3d> winds(count);
   for (Vector3d& wind : winds) wind = 5.0 * Vector3d(normal(random), normal(random), normal(random));
-  for (const auto& [name, follower] : {std::pair<const char*, Follower>{"followers, linear lag", {}},
-                                       {"followers, quadratic lag", {.lag = FollowerLag::quadratic}},
-                                       {"followers, quadratic lag, turning into the wind",
+  for (const auto& [name, follower] : {std::pair<const char*, Follower>{"100,000 followers, linear lag", {}},
+                                       {"100,000 followers, quadratic lag", {.lag = FollowerLag::quadratic}},
+                                       {"100,000 followers, quadratic lag, turning into the wind",
                                         {.lag = FollowerLag::quadratic, .facing = Facing::into_wind, .inertia = Vector3d(1, 2, 3)}}})
     row(
         name,
@@ -193,7 +193,19 @@ void batches() {
           for (std::size_t i = 0; i < count; ++i) states[i] = step(follower, states[i], winds[i], 1e-3);
         },
         [&, &follower = follower] { step(follower, states, winds, 1e-3); });
-  sink += factors[0] + states[0].position.x();
+  const Turbulence alike({}), apart({.length = Vector3d(600, 600, 150)});
+  Eigen::Matrix3Xd points(3, count / 100), velocities(3, count / 100);
+  for (auto point : points.colwise()) point = 100.0 * Vector3d(normal(random), normal(random), normal(random));
+  for (const auto& [name, turbulence] :
+       {std::pair<const char*, const Turbulence*>{"1,000 points in turbulence, one length, 192 waves", &alike},
+        {"1,000 points in turbulence, three lengths, 192 waves", &apart}})
+    row(
+        name,
+        [&, &turbulence = *turbulence] {
+          for (Eigen::Index i = 0; i < points.cols(); ++i) velocities.col(i) = turbulence.velocity(points.col(i), 1.0);
+        },
+        [&, &turbulence = *turbulence] { velocities = turbulence.velocities(points, 1.0); });
+  sink += factors[0] + states[0].position.x() + velocities(0, 0);
 }
 
 }  // namespace

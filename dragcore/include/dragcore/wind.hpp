@@ -55,7 +55,7 @@ class GridField {
 
   const Grid& grid() const { return grid_; }
   const Eigen::Array3d& cells_per_metre() const { return cells_per_metre_; }
-  /// What Precision::single samples: 16 bytes a point beside the 24 of the grid. Null where the library is built without kernels.
+  /// What Wind samples in Precision::single: 16 bytes a point beside the 24 of the grid. Null where the library is built without kernels.
   const std::shared_ptr<const PackedGrid>& packed() const { return packed_; }
   Eigen::Vector3d velocity(const Eigen::Vector3d& point) const;
   WindSample sample(const Eigen::Vector3d& point) const;  ///< the gradient is the exact derivative of the interpolant
@@ -140,10 +140,11 @@ class Wind {
 
   /// Many points, 3 x n, one column each: sources whose bounding box misses the points' box are left out first. A point's velocity does
   /// not depend on the points beside it, so that any split of a batch gives the same bits.
-  /// @param precision  `full`: the bits of velocity() point by point. `single`: grids are interpolated in single precision, 16 points at
-  ///                   once, where the library was built with its kernels (DRAGCORE_SIMD); all else as in `full`
-  /// @accuracy  `single`: 1e-6 of the largest value (times intensity) of each grid at the point, wherever in the world it lies
-  ///            (tests/dragcore/wind/test_grid_kernel.cpp)
+  /// @param precision  `full`: the bits of velocity() point by point. `single`: grids are located in double and interpolated in
+  ///                   single precision, 16 points at once, and turbulence has 8 points at once in double precision, where the library was
+  ///                   built with its kernels (DRAGCORE_SIMD); all else as in `full`
+  /// @accuracy  `single`: 1e-6 of the largest value (times intensity) of each grid at the point, wherever in the world
+  ///            it lies (tests/dragcore/wind/test_grid_kernel.cpp); turbulence as Turbulence::velocities()
   Eigen::Matrix3Xd velocities(const Eigen::Ref<const Eigen::Matrix3Xd>& points, Precision precision = Precision::full) const;
   std::vector<WindSample> samples(const Eigen::Ref<const Eigen::Matrix3Xd>& points) const;
 
@@ -169,6 +170,8 @@ class Wind {
 
   template <bool with_gradient>
   void add(const Placed& source, const Eigen::Vector3d& point, WindSample& sum) const;
+  void add_turbulence(const Placed& source, const Turbulence& turbulence, const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                      Eigen::Matrix3Xd& sum) const;
 
   std::vector<Placed> sources_;
   std::shared_ptr<const std::vector<PlacedGrid>> grids_;  ///< those sources that kernels sample; null where there are none

@@ -69,11 +69,49 @@ void gust_factors_on_target(const Gust& gust, std::span<const double> times, std
   std::copy_n(rest, count - whole, factors.data() + whole);
 }
 
-// Followers.
-
 struct Vec3 {
   V x, y, z;
 };
+
+// Turbulence.
+
+/// @param alike  all components have one length, and so one cosine
+template <bool alike>
+HWY_INLINE Vec3 sum_of_waves_at(const Waves& waves, const Vec3& place) {
+  constexpr double turn = 2.0 * pi;
+  const V per_turn[3] = {set(1.0 / (turn * waves.lengths[0])), set(1.0 / (turn * waves.lengths[1])), set(1.0 / (turn * waves.lengths[2]))};
+  V sum[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  for (std::size_t n = 0; n < waves.count; ++n) {
+    const double* k = waves.wavevectors + 3 * n;
+    const V phase = set(waves.phases[n] / turn);
+    const V along = hn::MulAdd(set(k[0]), place.x, hn::MulAdd(set(k[1]), place.y, hn::Mul(set(k[2]), place.z)));
+    const auto cosine = [&](V scale) {
+      const V turns = hn::MulAdd(along, scale, phase);  // whole ones do not matter, however many
+      return hn::Cos(d, hn::Mul(set(turn), hn::Sub(turns, hn::Round(turns))));
+    };
+    const V shared = cosine(per_turn[0]);
+    for (std::size_t i = 0; i < 3; ++i)
+      sum[i] = hn::MulAdd(set(waves.amplitudes[3 * n + i]), alike || i == 0 ? shared : cosine(per_turn[i]), sum[i]);
+  }
+  return {sum[0], sum[1], sum[2]};
+}
+
+void sum_of_waves_on_target(const Waves& waves, const double* points, std::size_t count, double* sums) {
+  const bool alike = waves.lengths[0] == waves.lengths[1] && waves.lengths[0] == waves.lengths[2];
+  HWY_ALIGN double part[3 * wide] = {};
+  for (std::size_t first = 0; first < count; first += wide) {
+    const std::size_t here = 3 * std::min(wide, count - first);
+    std::copy_n(points + 3 * first, here, part);
+    Vec3 place;
+    hn::LoadInterleaved3(d, part, place.x, place.y, place.z);
+    const Vec3 sum = alike ? sum_of_waves_at<true>(waves, place) : sum_of_waves_at<false>(waves, place);
+    hn::StoreInterleaved3(sum.x, sum.y, sum.z, d, part);
+    std::copy_n(part, here, sums + 3 * first);
+  }
+}
+
+// Followers.
+
 HWY_INLINE V dot(const Vec3& a, const Vec3& b) { return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z))); }
 HWY_INLINE Vec3 cross(const Vec3& a, const Vec3& b) {
   return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)), hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
@@ -270,6 +308,7 @@ namespace dragcore {
 
 HWY_EXPORT(gust_factors_on_target);
 HWY_EXPORT(step_on_target);
+HWY_EXPORT(sum_of_waves_on_target);
 HWY_EXPORT(first_doubtful_on_target);
 
 bool gust_factors_by_kernel(const Gust& gust, std::span<const double> times, std::span<double> factors) {
@@ -279,6 +318,11 @@ bool gust_factors_by_kernel(const Gust& gust, std::span<const double> times, std
 
 bool step_by_kernel(const Follower& follower, std::span<FollowerState> states, std::span<const Eigen::Vector3d> winds, double dt) {
   HWY_DYNAMIC_DISPATCH(step_on_target)(follower, states, winds, dt);
+  return true;
+}
+
+bool sum_of_waves(const Waves& waves, const double* points, std::size_t count, double* sums) {
+  HWY_DYNAMIC_DISPATCH(sum_of_waves_on_target)(waves, points, count, sums);
   return true;
 }
 

@@ -38,12 +38,15 @@ BodyWind::BodyWind(const Wind& wind, const Surface& surface, const BodyPlacement
       break;
     }
     case WindSampling::per_triangle: {
-      // Lazy: products of so small a matrix are cheapest written out.
-      const Eigen::Matrix3Xd points = place.rotation.lazyProduct(surface.centroid.matrix().transpose()).colwise() + place.position;
+      // The reference point comes last. Lazy: products of so small a matrix are cheapest written out.
+      const Eigen::Index triangles = surface.size();
+      Eigen::Matrix3Xd points(3, triangles + 1);
+      points.leftCols(triangles) = place.rotation.lazyProduct(surface.centroid.matrix().transpose()).colwise() + place.position;
+      points.col(triangles) = in_world(reference_point);
       const Eigen::Matrix3Xd velocities = wind.velocities(points, precision);
-      per_triangle_.reserve(static_cast<std::size_t>(velocities.cols()));
-      for (const auto& velocity : velocities.colwise()) per_triangle_.emplace_back(to_body * velocity);
-      velocity_ = to_body * wind.velocity(in_world(reference_point));
+      per_triangle_.reserve(static_cast<std::size_t>(triangles));
+      for (const auto& velocity : velocities.leftCols(triangles).colwise()) per_triangle_.emplace_back(to_body * velocity);
+      velocity_ = to_body * velocities.col(triangles);
       break;
     }
   }

@@ -12,6 +12,8 @@ bool gust_factors_by_kernel(const Gust&, std::span<const double>, std::span<doub
 
 bool step_by_kernel(const Follower&, std::span<FollowerState>, std::span<const Eigen::Vector3d>, double) { return false; }
 
+bool sum_of_waves(const Waves&, const double*, std::size_t, double*) { return false; }
+
 std::size_t first_doubtful_follower(std::span<const FollowerState>, std::span<const Eigen::Vector3d>) { return 0; }
 
 }  // namespace dragcore

@@ -416,26 +416,55 @@ Eigen::AlignedBox3d box_of(const Eigen::Ref<const Eigen::Matrix3Xd>& points) {
 
 }  // namespace
 
-Eigen::Matrix3Xd Wind::velocities(const Eigen::Ref<const Eigen::Matrix3Xd>& points, Precision precision) const {
-  Eigen::Matrix3Xd result(3, points.cols());
-  if (points.cols() == 0) return result;
-  const bool by_kernel = precision == Precision::single && grids_;
-  bool finite = true;
-  if (!by_kernel) {
-    result.setZero();
-  } else {
-    if (points.outerStride() != 3) return velocities(Eigen::Matrix3Xd(points), precision);
-    finite = sum_of_grids(*grids_, points.data(), static_cast<std::size_t>(points.cols()), result.data());
-    if (grids_->size() == sources_.size() && finite) return result;
-  }
-  if (sources_.empty()) return result;
-  const std::vector<std::size_t> near = sources_near(box_of(points));
+/// Turbulence at many points at once, where the source reaches them.
+void Wind::add_turbulence(const Placed& source, const Turbulence& turbulence, const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                          Eigen::Matrix3Xd& sum) const {
+  std::vector<Eigen::Index> inside;
+  std::vector<double> fade;
+  Eigen::Matrix3Xd places(3, points.cols());
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    WindSample sum{.velocity = result.col(i)};
-    for (const std::size_t source : near)
-      if (!by_kernel || !sources_[source].packed) add<false>(sources_[source], points.col(i), sum);
-    result.col(i) = finite || points.col(i).allFinite() ? sum.velocity : velocity(points.col(i));
+    if (misses(source.box, points.col(i))) continue;
+    const Vector3d local = source.to_field * (points.col(i) - source.position);
+    const double q = 1.0 - (local / source.fade_radius).squaredNorm();
+    if (q <= 0.0) continue;
+    places.col(static_cast<Eigen::Index>(inside.size())) = local;
+    inside.push_back(i);
+    fade.push_back(q * q);
   }
+  const Eigen::Matrix3Xd velocities = turbulence.velocities(places.leftCols(static_cast<Eigen::Index>(inside.size())), time_);
+  for (std::size_t i = 0; i < inside.size(); ++i)
+    sum.col(inside[i]) += source.turn * (fade[i] * velocities.col(static_cast<Eigen::Index>(i)));
+}
+
+Eigen::Matrix3Xd Wind::velocities(const Eigen::Ref<const Eigen::Matrix3Xd>& points, Precision precision) const {
+  const bool single = precision == Precision::single, by_kernel = single && grids_;
+  if (by_kernel && points.outerStride() != 3) return velocities(Eigen::Matrix3Xd(points), precision);
+  Eigen::Matrix3Xd result(3, points.cols());
+  bool finite = !single || grids_ || points.allFinite();
+  if (by_kernel)
+    finite = sum_of_grids(*grids_, points.data(), static_cast<std::size_t>(points.cols()), result.data());
+  else
+    result.setZero();
+  if (finite && sources_.size() == (by_kernel ? grids_->size() : 0)) return result;
+
+  for (const std::size_t i : points.cols() > 0 ? sources_near(box_of(points)) : std::vector<std::size_t>{}) {
+    const Placed& source = sources_[i];
+    const auto* turbulence = std::get_if<std::shared_ptr<const Turbulence>>(&source.field);
+    if (by_kernel && source.packed) continue;
+    if (single && turbulence) {
+      add_turbulence(source, **turbulence, points, result);
+      continue;
+    }
+    for (Eigen::Index column = 0; column < points.cols(); ++column) {
+      WindSample sum{.velocity = result.col(column)};
+      add<false>(source, points.col(column), sum);
+      result.col(column) = sum.velocity;
+    }
+  }
+  // The kernels know no more than numbers.
+  if (!finite)
+    for (Eigen::Index column = 0; column < points.cols(); ++column)
+      if (!points.col(column).allFinite()) result.col(column) = velocity(points.col(column));
   return result;
 }
 
