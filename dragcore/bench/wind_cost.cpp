@@ -133,13 +133,17 @@ void grids() {
   }
 }
 
-/// Per triangle of a ball that is sampled triangle by triangle among five fields; per body for the cube.
-void bodies() {
+Wind five_fields() {
   std::vector<WindSource> sources;
   const auto field = std::make_shared<const GridField>(noisy(32));
   for (int i = 0; i < 5; ++i)
     sources.push_back({.field = field, .placement = {.rotation = Eigen::AngleAxisd(0.01 * i, Vector3d::UnitZ()).toRotationMatrix()}});
-  const Wind windy(sources), calm({});
+  return Wind(sources);
+}
+
+/// Per triangle of a ball that is sampled triangle by triangle among five fields; per body for the cube.
+void bodies() {
+  const Wind windy = five_fields(), calm({});
   std::printf("\n| body, wind by triangles | fields | double | single | double / single |\n|---|---|---|---|---|\n");
   for (const auto& [name, shape, divisions] :
        {std::tuple<const char*, Shape, int>{"ball of 2,048, a triangle", Sphere{}, 16}, {"cube of 12, a call", Box{}, 1}}) {
@@ -193,6 +197,12 @@ void batches() {
           for (std::size_t i = 0; i < count; ++i) states[i] = step(follower, states[i], winds[i], 1e-3);
         },
         [&, &follower = follower] { step(follower, states, winds, 1e-3); });
+  const Wind wind = five_fields();
+  const Eigen::Matrix3Xd places = points_on_box(true, 2048);
+  std::vector<WindSample> samples;
+  row(
+      "2,048 samples with gradients, 5 fields of 32³", [&] { samples = wind.samples(places, Precision::full); },
+      [&] { samples = wind.samples(places, Precision::single); });
   const Turbulence alike({}), apart({.length = Vector3d(600, 600, 150)});
   Eigen::Matrix3Xd points(3, count / 100), velocities(3, count / 100);
   for (auto point : points.colwise()) point = 100.0 * Vector3d(normal(random), normal(random), normal(random));
@@ -205,7 +215,7 @@ void batches() {
           for (Eigen::Index i = 0; i < points.cols(); ++i) velocities.col(i) = turbulence.velocity(points.col(i), 1.0);
         },
         [&, &turbulence = *turbulence] { velocities = turbulence.velocities(points, 1.0); });
-  sink += factors[0] + states[0].position.x() + velocities(0, 0);
+  sink += factors[0] + states[0].position.x() + velocities(0, 0) + samples[0].velocity.x();
 }
 
 }  // namespace

@@ -146,7 +146,9 @@ class Wind {
   /// @accuracy  `single`: 1e-6 of the largest value (times intensity) of each grid at the point, wherever in the world
   ///            it lies (tests/dragcore/wind/test_grid_kernel.cpp); turbulence as Turbulence::velocities()
   Eigen::Matrix3Xd velocities(const Eigen::Ref<const Eigen::Matrix3Xd>& points, Precision precision = Precision::full) const;
-  std::vector<WindSample> samples(const Eigen::Ref<const Eigen::Matrix3Xd>& points) const;
+  /// The same with gradients; turbulence is sampled point by point.
+  /// @accuracy  `single`: gradients 1e-6 of the largest value over the smallest size of a cell
+  std::vector<WindSample> samples(const Eigen::Ref<const Eigen::Matrix3Xd>& points, Precision precision = Precision::full) const;
 
   /// Error bounds inside the ball about `centre` [m], for triangles that reach at most `triangle_radius` from the point where each is
   /// sampled.

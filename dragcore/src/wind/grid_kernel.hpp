@@ -31,10 +31,12 @@ struct PlacedGrid {
   std::array<double, 3> box_min{}, box_max{};
 };
 
-/// The sum of the velocities of all grids at `count` points, x y z after each other. A point's result does not depend on the points
-/// beside it.
+/// The sum of all grids at `count` points, x y z after each other: velocities likewise, or samples. A point's result does not depend on the
+/// points beside it.
 /// @return whether all points are finite; of one that is not the result is some number
-/// @accuracy  where a point lies, and whether inside: as in double precision. Velocities: 1e-6 of the grid's largest value
+/// @accuracy  where a point lies, and whether inside: as in double precision. Velocities: 1e-6 of the grid's largest value; gradients: of
+///            that per cell
 bool sum_of_grids(const std::vector<PlacedGrid>& grids, const double* points, std::size_t count, double* velocities);
+bool sum_of_grids(const std::vector<PlacedGrid>& grids, const double* points, std::size_t count, WindSample* samples);
 
 }  // namespace dragcore

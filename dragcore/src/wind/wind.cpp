@@ -468,12 +468,20 @@ Eigen::Matrix3Xd Wind::velocities(const Eigen::Ref<const Eigen::Matrix3Xd>& poin
   return result;
 }
 
-std::vector<WindSample> Wind::samples(const Eigen::Ref<const Eigen::Matrix3Xd>& points) const {
+std::vector<WindSample> Wind::samples(const Eigen::Ref<const Eigen::Matrix3Xd>& points, Precision precision) const {
   std::vector<WindSample> result(static_cast<std::size_t>(points.cols()));
-  if (points.cols() == 0) return result;
-  const std::vector<std::size_t> near = sources_near(box_of(points));
-  for (Eigen::Index i = 0; i < points.cols(); ++i)
-    for (const std::size_t source : near) add<true>(sources_[source], points.col(i), result[static_cast<std::size_t>(i)]);
+  if (result.empty()) return result;
+  const bool by_kernel = precision == Precision::single && grids_;
+  if (by_kernel && points.outerStride() != 3) return samples(Eigen::Matrix3Xd(points), precision);
+  const bool finite = !by_kernel || sum_of_grids(*grids_, points.data(), result.size(), result.data());
+  if (finite && sources_.size() == (by_kernel ? grids_->size() : 0)) return result;
+  for (const std::size_t i : sources_near(box_of(points)))
+    if (!by_kernel || !sources_[i].packed)
+      for (Eigen::Index column = 0; column < points.cols(); ++column)
+        add<true>(sources_[i], points.col(column), result[static_cast<std::size_t>(column)]);
+  if (!finite)
+    for (Eigen::Index column = 0; column < points.cols(); ++column)
+      if (!points.col(column).allFinite()) result[static_cast<std::size_t>(column)] = sample(points.col(column));
   return result;
 }
 

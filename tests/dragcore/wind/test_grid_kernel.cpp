@@ -39,6 +39,7 @@ struct Scene {
   std::vector<WindSource> sources;
   Matrix3Xd points;
   double scale = 0.0;  ///< sum of the largest values of the grids [m/s]
+  double slope = 0.0;  ///< the same over the smallest size of a cell, and over the radius of a fading field [1/s]
 
   Wind wind() const { return Wind(sources, 1.5); }
 };
@@ -65,7 +66,11 @@ Scene random_scene(zoo::Random& random) {
         const Eigen::Array3d share(corner % 3 / 2.0, corner / 3 % 3 / 2.0, corner / 9 / 2.0);
         points.push_back(source.placement.position + (grid.lower.array() * (1.0 - share) + grid.upper.array() * share).matrix());
       }
-    scene.scale += std::abs(source.intensity) * grid.values.cwiseAbs().maxCoeff();
+    const double speed = std::abs(source.intensity) * grid.values.cwiseAbs().maxCoeff();
+    const Eigen::Array3d cell =
+        (grid.upper - grid.lower).array() * source.placement.scale.array().abs() / grid.points.array().cast<double>();
+    scene.scale += speed;
+    scene.slope += speed * (1.0 / cell.minCoeff() + 4.0 / (source.fade_radius * source.placement.scale.cwiseAbs().minCoeff()));
     scene.sources.push_back(std::move(source));
   }
   if (random.uniform(0.0, 1.0) < 0.5) {
@@ -102,6 +107,12 @@ TEST_CASE("grids by the kernels are those in double precision, over any scene an
       const double error = (fast - exact).colwise().norm().maxCoeff();
       worst = std::max(worst, error / scene.scale);
       CHECK(error <= 1e-6 * scene.scale + 1e-12);
+      const std::vector<WindSample> samples = wind.samples(scene.points, Precision::single);
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        const WindSample one = wind.sample(scene.points.col(static_cast<Eigen::Index>(i)));
+        CHECK((samples[i].velocity - one.velocity).norm() <= 1e-6 * scene.scale + 1e-12);
+        CHECK((samples[i].gradient - one.gradient).norm() <= 1e-6 * scene.slope + 1e-12);
+      }
     });
   }
   CHECK(worst > 1e-9);  // it is the kernels that were asked
@@ -116,6 +127,11 @@ TEST_CASE("wind by the kernels has the same bits at 16 and 8 points at once, at 
     const Wind wind = scene.wind();
     const auto result = [&] { return wind.velocities(scene.points, Precision::single); };
     kernels::on_equal_targets(result, [](const Matrix3Xd& wide, const Matrix3Xd& narrow) { CHECK(wide == narrow); });
+    kernels::on_equal_targets([&] { return wind.samples(scene.points, Precision::single); },
+                              [](const auto& wide, const auto& narrow) {
+                                for (std::size_t i = 0; i < wide.size(); ++i)
+                                  CHECK((wide[i].velocity == narrow[i].velocity && wide[i].gradient == narrow[i].gradient));
+                              });
     const Matrix3Xd whole = result();
     for (Eigen::Index first = 0, count = 1; first < whole.cols(); first += count, count = std::min(2 * count + 1, whole.cols() - first))
       CHECK(wind.velocities(scene.points.middleCols(first, count), Precision::single) == whole.middleCols(first, count));
@@ -138,6 +154,7 @@ TEST_CASE("a point that is not a number or infinite gets what it gets in double 
         CHECK(std::isnan(exact[axis]) == std::isnan(found[axis]));
         if (!std::isnan(exact[axis])) CHECK(std::abs(found[axis] - exact[axis]) <= 1e-6 * scene.scale);
       }
+      CHECK(wind.samples(points, Precision::single)[3].gradient.hasNaN() == wind.sample(points.col(3)).gradient.hasNaN());
       CHECK(fast.leftCols(3) == here.leftCols(3));
       CHECK(fast.rightCols(fast.cols() - 4) == here.rightCols(fast.cols() - 4));
     });
