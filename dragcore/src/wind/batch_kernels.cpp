@@ -155,21 +155,21 @@ struct Rows {
   static constexpr std::size_t numbers = 18;  // position, velocity, rotation by columns, wind
   HWY_ALIGN double row[numbers][block];
 
-  /// What fills up is the last one again.
-  void load(const FollowerState* states, const Eigen::Vector3d* winds, std::size_t count) {
+  /// What fills up is the last one again. Rotations only where they are needed.
+  void load(const FollowerState* states, const Eigen::Vector3d* winds, std::size_t count, bool rotations) {
     for (std::size_t k = 0; k < block; ++k) {
       const FollowerState& state = states[std::min(k, count - 1)];
       const Eigen::Vector3d& wind = winds[std::min(k, count - 1)];
-      for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t i = 0; i < 3; ++i)
         row[i][k] = state.position.data()[i], row[3 + i][k] = state.velocity.data()[i], row[15 + i][k] = wind.data()[i];
-      }
-      for (std::size_t i = 0; i < 9; ++i) row[6 + i][k] = state.rotation.data()[i];
+      if (rotations)
+        for (std::size_t i = 0; i < 9; ++i) row[6 + i][k] = state.rotation.data()[i];
     }
   }
-  void save(FollowerState* states, std::size_t count, bool turned) const {
+  void save(FollowerState* states, std::size_t count, bool rotations) const {
     for (std::size_t k = 0; k < count; ++k) {
       for (std::size_t i = 0; i < 3; ++i) states[k].position.data()[i] = row[i][k], states[k].velocity.data()[i] = row[3 + i][k];
-      if (turned)
+      if (rotations)
         for (std::size_t i = 0; i < 9; ++i) states[k].rotation.data()[i] = row[6 + i][k];
     }
   }
@@ -205,7 +205,7 @@ class FollowerStep {
     Rows rows;
     for (std::size_t first = 0; first < states.size(); first += block) {
       const std::size_t count = std::min(block, states.size() - first);
-      rows.load(states.data() + first, winds.data() + first, count);
+      rows.load(states.data() + first, winds.data() + first, count, turns_);
       for (std::size_t k = 0; k < block; k += wide) {
         move(rows, k);
         if (turns_) turn(rows, k);
@@ -284,7 +284,7 @@ void step_on_target(const Follower& follower, std::span<FollowerState> states, s
 std::size_t first_doubtful_on_target(std::span<const FollowerState> states, std::span<const Eigen::Vector3d> winds) {
   Rows rows;
   for (std::size_t first = 0; first < states.size(); first += block) {
-    rows.load(states.data() + first, winds.data() + first, std::min(block, states.size() - first));
+    rows.load(states.data() + first, winds.data() + first, std::min(block, states.size() - first), true);
     for (std::size_t k = 0; k < block; k += wide) {
       V all = hn::Zero(d);  // stays zero of finite numbers
       for (const auto& row : rows.row) all = hn::MulAdd(hn::Zero(d), hn::Load(d, row + k), all);

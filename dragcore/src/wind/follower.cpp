@@ -13,7 +13,9 @@ using Eigen::Vector3d;
 
 void validate(const Follower& follower) {
   const auto positive = [](const char* name, double value) {
-    require(value > 0.0 && std::isfinite(value), std::string("follower: ") + name, value, "it must be greater than 0 and finite");
+    require(
+        value > 0.0 && std::isfinite(value), [name] { return std::string("follower: ") + name; }, value,
+        "it must be greater than 0 and finite");
   };
   require_finite("follower: gain", follower.gain);
   require(follower.mass >= 0.0 && std::isfinite(follower.mass), "follower: mass", follower.mass, "it must be finite and not negative");
@@ -29,14 +31,16 @@ void validate(const Follower& follower) {
 
 namespace {
 
-/// @param which  begins the message
-void validate(const std::string& which, const FollowerState& state, const Vector3d& wind) {
-  require_finite(which + "wind", wind);
-  require_finite(which + "position", state.position);
-  require_finite(which + "velocity", state.velocity);
+/// @param which  makes the beginning of a message
+template <class Which>
+void validate(const Which& which, const FollowerState& state, const Vector3d& wind) {
+  const auto name = [&which](const char* what) { return [&which, what] { return which() + what; }; };
+  require_finite(name("wind"), wind);
+  require_finite(name("position"), state.position);
+  require_finite(name("velocity"), state.velocity);
   require(state.rotation.allFinite() && (state.rotation.transpose() * state.rotation - Matrix3d::Identity()).norm() < 1e-6 &&
               state.rotation.determinant() > 0.0,
-          which + "determinant of the rotation", state.rotation.determinant(), "its columns must be orthonormal and right-handed");
+          name("determinant of the rotation"), state.rotation.determinant(), "its columns must be orthonormal and right-handed");
 }
 
 void validate_duration(double dt) { require(dt >= 0.0 && std::isfinite(dt), "follower: dt", dt, "it must be finite and not negative"); }
@@ -90,7 +94,7 @@ void turn(const Follower& follower, FollowerState& state, const Vector3d& wind, 
 
 FollowerState step(const Follower& follower, const FollowerState& state, const Vector3d& wind, double dt) {
   validate(follower);
-  validate("follower: ", state, wind);
+  validate([] { return std::string("follower: "); }, state, wind);
   validate_duration(dt);
   FollowerState next = state;
   if (dt == 0.0) return next;
@@ -105,7 +109,7 @@ void step(const Follower& follower, std::span<FollowerState> states, std::span<c
   require(winds.size() == states.size(), "follower: number of winds", winds.size(),
           [&] { return "there are " + std::to_string(states.size()) + " states"; });
   for (std::size_t i = first_doubtful_follower(states, winds); i < states.size(); ++i)
-    validate("follower " + std::to_string(i) + ": ", states[i], winds[i]);
+    validate([i] { return "follower " + std::to_string(i) + ": "; }, states[i], winds[i]);
   if (dt == 0.0 || step_by_kernel(follower, states, winds, dt)) return;
   for (std::size_t i = 0; i < states.size(); ++i) {
     move(follower, states[i], winds[i], dt);

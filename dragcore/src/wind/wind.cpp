@@ -202,7 +202,8 @@ GridField::GridField(Grid grid) : grid_(std::move(grid)) {
   const Array3d size = (grid_.upper - grid_.lower).array();
   require((size > 0.0).all() && size.allFinite(), "grid: upper - lower", Vector3d(size),
           "it must be greater than 0 m on every axis, and finite");
-  for (Eigen::Index i = 0; i < grid_.values.cols(); ++i) require_finite("grid: value " + std::to_string(i), Vector3d(grid_.values.col(i)));
+  for (Eigen::Index i = 0; i < grid_.values.cols(); ++i)
+    require_finite([i] { return "grid: value " + std::to_string(i); }, Vector3d(grid_.values.col(i)));
   cells_per_metre_ = (grid_.points.array() - 1).cast<double>() / size;
   require(cells_per_metre_.allFinite(), "grid: upper - lower", Vector3d(size), "a cell is too small to divide by");
   packed_ = pack(grid_);
@@ -284,31 +285,31 @@ Wind::Wind(const std::vector<WindSource>& sources, double time) : time_(time) {
   std::vector<PlacedGrid> grids;
   sources_.reserve(sources.size());
   for (const WindSource& source : sources) {
-    const std::string name = "wind source '" + source.name + "': ";
+    const auto name = [&source](const char* what) { return [&source, what] { return "wind source '" + source.name + "': " + what; }; };
     const auto& [position, rotation, scale] = source.placement;
-    require_finite(name + "position", position);
+    require_finite(name("position"), position);
     require(rotation.allFinite() && (rotation.transpose() * rotation - Matrix3d::Identity()).norm() < 1e-9 && rotation.determinant() > 0.0,
-            name + "determinant of the rotation", rotation.determinant(),
+            name("determinant of the rotation"), rotation.determinant(),
             "its columns must be orthonormal and right-handed; put stretching and mirrors into the scale");
     const Array3d inverse_scale = scale.array().abs().inverse();
-    require(scale.allFinite() && (inverse_scale > 0.0).all() && inverse_scale.allFinite(), name + "scale", scale,
+    require(scale.allFinite() && (inverse_scale > 0.0).all() && inverse_scale.allFinite(), name("scale"), scale,
             "it must be finite and not 0 on every axis");
-    require_finite(name + "intensity", source.intensity);
-    require(source.fade_radius > 0.0, name + "fade_radius", source.fade_radius, "it must be greater than 0 m");
-    if (const auto* uniform = std::get_if<UniformField>(&source.field)) require_finite(name + "velocity", uniform->velocity);
+    require_finite(name("intensity"), source.intensity);
+    require(source.fade_radius > 0.0, name("fade_radius"), source.fade_radius, "it must be greater than 0 m");
+    if (const auto* uniform = std::get_if<UniformField>(&source.field)) require_finite(name("velocity"), uniform->velocity);
     if (const auto* vortex = std::get_if<VortexField>(&source.field)) {
-      require_finite(name + "circulation", vortex->circulation);
-      require(vortex->core_radius > 0.0 && std::isfinite(vortex->core_radius), name + "core_radius", vortex->core_radius,
+      require_finite(name("circulation"), vortex->circulation);
+      require(vortex->core_radius > 0.0 && std::isfinite(vortex->core_radius), name("core_radius"), vortex->core_radius,
               "it must be greater than 0 m and finite");
     }
     if (const auto* jet = std::get_if<JetField>(&source.field)) {
-      require_finite(name + "exit_speed", jet->exit_speed);
-      require(jet->diameter > 0.0 && std::isfinite(jet->diameter), name + "diameter", jet->diameter,
+      require_finite(name("exit_speed"), jet->exit_speed);
+      require(jet->diameter > 0.0 && std::isfinite(jet->diameter), name("diameter"), jet->diameter,
               "it must be greater than 0 m and finite");
     }
     const auto* grid = std::get_if<std::shared_ptr<const GridField>>(&source.field);
     const auto* turbulence = std::get_if<std::shared_ptr<const Turbulence>>(&source.field);
-    require(!(grid && !*grid) && !(turbulence && !*turbulence), name + "field", "null", "it must be set");
+    require(!(grid && !*grid) && !(turbulence && !*turbulence), name("field"), "null", "it must be set");
 
     Placed placed{source.field,
                   position,
