@@ -6,9 +6,15 @@
 #include <string>
 #include <vector>
 
+#ifdef DRAGCORE_WITH_KERNELS
 #include "kernels/wrench_kernel.hpp"
+#endif
 
 namespace dragcore::kernels {
+
+#ifdef DRAGCORE_WITH_KERNELS
+
+constexpr bool built = true;
 
 /// Every instruction set of this machine in turn, and the best again at the end.
 template <class Check>
@@ -41,5 +47,21 @@ void on_equal_targets(Result&& result, Same&& same) {
   force_target("");
   CHECK(pairs > 0);
 }
+
+#else  // the library was built with Eigen alone: the same promises, kept by plain loops
+
+constexpr bool built = false;
+
+template <class Check>
+void on_every_target(Check&& check) {
+  check();
+}
+
+template <class Result, class Same>
+void on_equal_targets(Result&& result, Same&& same) {
+  same(result(), result());
+}
+
+#endif
 
 }  // namespace dragcore::kernels

@@ -1,4 +1,5 @@
-// Wind by the kernels against the same wind in double precision, on every instruction set that this machine has.
+// Wind by the kernels against the same wind in double precision, on every instruction set that this machine has; in a library without
+// kernels, that single precision is double.
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -115,7 +116,7 @@ TEST_CASE("grids by the kernels are those in double precision, over any scene an
       }
     });
   }
-  CHECK(worst > 1e-9);  // it is the kernels that were asked
+  CHECK((worst > 1e-9) == kernels::built);  // it is the kernels that were asked, where there are any
 }
 
 TEST_CASE("wind by the kernels has the same bits at 16 and 8 points at once, at 4 and 1, and however a batch is split",
