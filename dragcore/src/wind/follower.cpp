@@ -33,7 +33,7 @@ namespace {
 
 /// @param which  makes the beginning of a message
 template <class Which>
-void validate(const Which& which, const FollowerState& state, const Vector3d& wind) {
+void validate_state(const Which& which, const FollowerState& state, const Vector3d& wind) {
   const auto name = [&which](const char* what) { return [&which, what] { return which() + what; }; };
   require_finite(name("wind"), wind);
   require_finite(name("position"), state.position);
@@ -94,7 +94,7 @@ void turn(const Follower& follower, FollowerState& state, const Vector3d& wind, 
 
 FollowerState step(const Follower& follower, const FollowerState& state, const Vector3d& wind, double dt) {
   validate(follower);
-  validate([] { return std::string("follower: "); }, state, wind);
+  validate_state([] { return std::string("follower: "); }, state, wind);
   validate_duration(dt);
   FollowerState next = state;
   if (dt == 0.0) return next;
@@ -109,7 +109,7 @@ void step(const Follower& follower, std::span<FollowerState> states, std::span<c
   require(winds.size() == states.size(), "follower: number of winds", winds.size(),
           [&] { return "there are " + std::to_string(states.size()) + " states"; });
   for (std::size_t i = first_doubtful_follower(states, winds); i < states.size(); ++i)
-    validate([i] { return "follower " + std::to_string(i) + ": "; }, states[i], winds[i]);
+    validate_state([i] { return "follower " + std::to_string(i) + ": "; }, states[i], winds[i]);
   if (dt == 0.0 || step_by_kernel(follower, states, winds, dt)) return;
   for (std::size_t i = 0; i < states.size(); ++i) {
     move(follower, states[i], winds[i], dt);

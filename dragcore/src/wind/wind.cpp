@@ -438,6 +438,7 @@ void Wind::add_turbulence(const Placed& source, const Turbulence& turbulence, co
 }
 
 Eigen::Matrix3Xd Wind::velocities(const Eigen::Ref<const Eigen::Matrix3Xd>& points, Precision precision) const {
+  if (sources_.empty() || points.cols() == 0) return Eigen::Matrix3Xd::Zero(3, points.cols());
   const bool single = precision == Precision::single, by_kernel = single && grids_;
   if (by_kernel && points.outerStride() != 3) return velocities(Eigen::Matrix3Xd(points), precision);
   Eigen::Matrix3Xd result(3, points.cols());
@@ -446,22 +447,23 @@ Eigen::Matrix3Xd Wind::velocities(const Eigen::Ref<const Eigen::Matrix3Xd>& poin
     finite = sum_of_grids(*grids_, points.data(), static_cast<std::size_t>(points.cols()), result.data());
   else
     result.setZero();
-  if (finite && sources_.size() == (by_kernel ? grids_->size() : 0)) return result;
+  if (by_kernel && finite && grids_->size() == sources_.size()) return result;
 
-  for (const std::size_t i : points.cols() > 0 ? sources_near(box_of(points)) : std::vector<std::size_t>{}) {
-    const Placed& source = sources_[i];
-    const auto* turbulence = std::get_if<std::shared_ptr<const Turbulence>>(&source.field);
-    if (by_kernel && source.packed) continue;
-    if (single && turbulence) {
-      add_turbulence(source, **turbulence, points, result);
-      continue;
-    }
+  std::vector<std::size_t> one_by_one;
+  for (const std::size_t i : sources_near(box_of(points))) {
+    const auto* turbulence = std::get_if<std::shared_ptr<const Turbulence>>(&sources_[i].field);
+    if (by_kernel && sources_[i].packed) continue;
+    if (single && turbulence)
+      add_turbulence(sources_[i], **turbulence, points, result);
+    else
+      one_by_one.push_back(i);
+  }
+  if (!one_by_one.empty())
     for (Eigen::Index column = 0; column < points.cols(); ++column) {
       WindSample sum{.velocity = result.col(column)};
-      add<false>(source, points.col(column), sum);
+      for (const std::size_t i : one_by_one) add<false>(sources_[i], points.col(column), sum);
       result.col(column) = sum.velocity;
     }
-  }
   // The kernels know no more than numbers.
   if (!finite)
     for (Eigen::Index column = 0; column < points.cols(); ++column)
@@ -471,15 +473,15 @@ Eigen::Matrix3Xd Wind::velocities(const Eigen::Ref<const Eigen::Matrix3Xd>& poin
 
 std::vector<WindSample> Wind::samples(const Eigen::Ref<const Eigen::Matrix3Xd>& points, Precision precision) const {
   std::vector<WindSample> result(static_cast<std::size_t>(points.cols()));
-  if (result.empty()) return result;
+  if (sources_.empty() || result.empty()) return result;
   const bool by_kernel = precision == Precision::single && grids_;
   if (by_kernel && points.outerStride() != 3) return samples(Eigen::Matrix3Xd(points), precision);
   const bool finite = !by_kernel || sum_of_grids(*grids_, points.data(), result.size(), result.data());
-  if (finite && sources_.size() == (by_kernel ? grids_->size() : 0)) return result;
-  for (const std::size_t i : sources_near(box_of(points)))
-    if (!by_kernel || !sources_[i].packed)
-      for (Eigen::Index column = 0; column < points.cols(); ++column)
-        add<true>(sources_[i], points.col(column), result[static_cast<std::size_t>(column)]);
+  if (by_kernel && finite && grids_->size() == sources_.size()) return result;
+  const std::vector<std::size_t> near = sources_near(box_of(points));
+  for (Eigen::Index column = 0; column < points.cols(); ++column)
+    for (const std::size_t i : near)
+      if (!by_kernel || !sources_[i].packed) add<true>(sources_[i], points.col(column), result[static_cast<std::size_t>(column)]);
   if (!finite)
     for (Eigen::Index column = 0; column < points.cols(); ++column)
       if (!points.col(column).allFinite()) result[static_cast<std::size_t>(column)] = sample(points.col(column));
