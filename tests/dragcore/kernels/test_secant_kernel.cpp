@@ -4,7 +4,7 @@
 #include <dragcore/stepping.hpp>
 
 #include "tests/dragcore/drag/hostile.hpp"
-#include "tests/dragcore/kernels/on_targets.hpp"
+#include "tests/dragcore/kernels/targets.hpp"
 
 using namespace dragcore;
 using Eigen::Vector3d;
@@ -18,7 +18,7 @@ Vector6d relative_velocity(const Motion& motion) {
 }  // namespace
 
 TEST_CASE("the kernels give the secant matrix within single precision, and never a negative one", "[kernels][backend][stepping]") {
-  on_targets::each([&] {
+  kernels::on_every_target([&] {
     for (unsigned seed = 1; seed <= 1200 / hostile::sanitizer_divisor; ++seed) {
       INFO("seed " << seed);
       zoo::Random random(seed);
@@ -52,18 +52,20 @@ TEST_CASE("the kernels give the secant matrix within single precision, and never
 }
 
 TEST_CASE("the secant matrix has the same bits whatever the width of the vectors", "[kernels][backend][stepping]") {
-  on_targets::same_bits([] {
-    zoo::Random random(42);
-    std::vector<double> all;
-    for (const Shape& shape : zoo::shapes()) {
-      const Surface surface = zoo::surface(shape, 4);
-      for (const Law& law : hostile::laws())
-        for (const Quadrature order : {Quadrature::three, Quadrature::adaptive}) {
-          const Model model{.law = law, .pillow = {PillowForm::tilt, 0.7}, .quadrature = order, .precision = Precision::single};
-          const Matrix6d s = resistance(surface, random.motion(5.0, 2.0), {}, model);
-          all.insert(all.end(), s.data(), s.data() + s.size());
+  kernels::on_equal_targets(
+      [] {
+        zoo::Random random(42);
+        std::vector<double> all;
+        for (const Shape& shape : zoo::shapes()) {
+          const Surface surface = zoo::surface(shape, 4);
+          for (const Law& law : hostile::laws())
+            for (const Quadrature order : {Quadrature::three, Quadrature::adaptive}) {
+              const Model model{.law = law, .pillow = {PillowForm::tilt, 0.7}, .quadrature = order, .precision = Precision::single};
+              const Matrix6d s = resistance(surface, random.motion(5.0, 2.0), {}, model);
+              all.insert(all.end(), s.data(), s.data() + s.size());
+            }
         }
-    }
-    return all;
-  });
+        return all;
+      },
+      [](const std::vector<double>& wide, const std::vector<double>& narrow) { CHECK(wide == narrow); });
 }

@@ -3,7 +3,7 @@
 #include <dragcore/expose.hpp>
 
 #include "tests/dragcore/drag/hostile.hpp"
-#include "tests/dragcore/kernels/on_targets.hpp"
+#include "tests/dragcore/kernels/targets.hpp"
 #include "tests/support/meshes.hpp"
 
 using namespace dragcore;
@@ -77,7 +77,7 @@ TEST_CASE("the kernels give every term of the wrench within single precision", "
   surfaces.push_back(zoo::surface(Sphere{}, 12));  // more than one block of triangles
   std::vector<Vector3d> winds;
   const std::vector<Model> all_models = models();
-  on_targets::each([&] {
+  kernels::on_every_target([&] {
     for (const Surface& surface : surfaces) {
       const std::vector<Motion> all_motions = motions(random, surface, winds);
       for (std::size_t k = 0; k < all_motions.size(); ++k) {
@@ -91,17 +91,20 @@ TEST_CASE("the kernels give every term of the wrench within single precision", "
 }
 
 TEST_CASE("the width of the vectors does not change a bit", "[kernels][backend]") {
-  on_targets::same_bits([] {
-    zoo::Random random(32);
-    std::vector<double> all;
-    std::vector<Vector3d> winds;
-    for (const Surface& surface : {three_parts(), sheltered(random), zoo::surface(Sphere{}, 12), zoo::surface(Plate{.thickness = 0.0}, 4)})
-      for (const Motion& motion : motions(random, surface, winds))
-        for (const Model& model : models())
-          for (const Wrench& term : wrench(surface, motion, {}, in(Precision::single, model)).terms)
-            for (const Vector3d& v : {term.force, term.torque}) all.insert(all.end(), v.data(), v.data() + 3);
-    return all;
-  });
+  kernels::on_equal_targets(
+      [] {
+        zoo::Random random(32);
+        std::vector<double> all;
+        std::vector<Vector3d> winds;
+        for (const Surface& surface :
+             {three_parts(), sheltered(random), zoo::surface(Sphere{}, 12), zoo::surface(Plate{.thickness = 0.0}, 4)})
+          for (const Motion& motion : motions(random, surface, winds))
+            for (const Model& model : models())
+              for (const Wrench& term : wrench(surface, motion, {}, in(Precision::single, model)).terms)
+                for (const Vector3d& v : {term.force, term.torque}) all.insert(all.end(), v.data(), v.data() + 3);
+        return all;
+      },
+      [](const std::vector<double>& wide, const std::vector<double>& narrow) { CHECK(wide == narrow); });
 }
 
 TEST_CASE("what the kernels do not know is summed in double precision", "[kernels]") {
