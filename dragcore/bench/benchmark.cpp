@@ -7,6 +7,7 @@
 #include <string>
 
 #include "kernels/wrench_kernel.hpp"
+#include "rows.hpp"
 
 namespace dragcore::bench {
 void add_machine_rows();
@@ -42,5 +43,6 @@ int main(int count, char** words) {
 #ifdef DRAGCORE_BENCHMARK_BATCH
   bench::add_batch_rows();
 #endif
-  return benchmark::RunSpecifiedBenchmarks() > 0 ? 0 : 1;  // no row met the filter
+  const bool some = benchmark::RunSpecifiedBenchmarks() > 0;  // rows that met the filter
+  return some && !bench::any_wrong ? 0 : 1;
 }

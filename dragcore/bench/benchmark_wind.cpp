@@ -34,7 +34,7 @@ void add_wind_rows() {
         state.SetLabel(Hash().add(found).text());
         double off = 0.0;  // against point by point, in units of the largest value
         for (Eigen::Index k = 0; k < where.cols(); k += 61) off = std::max(off, (found.col(k) - wind.velocity(where.col(k))).norm() / 5.0);
-        if (!(off <= 1e-6)) state.SkipWithError("wrong: samples differ from those point by point");
+        if (!(off <= 1e-6)) wrong(state, "samples differ from those point by point");
       });
 }
 

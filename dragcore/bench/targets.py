@@ -1,0 +1,238 @@
+#!/usr/bin/env python3
+"""What scripts/bench.sh measured, made small, and held against the targets of speed: FOLDER/rows.json and FOLDER/targets.md.
+
+Usage: targets.py FOLDER RAW.json... [--commit C] [--dragval PROGRAM]
+
+RAW are outputs of google-benchmark: of dragcore_benchmark, by the best instruction set and by others, and of the recorded build. Of every row
+the least of the repetitions counts. --dragval times the program's commands, too. A row that was not measured is shown as such.
+"""
+import argparse
+import json
+import os
+import subprocess
+import tempfile
+from pathlib import Path
+
+# The least that a sum must read of a triangle of a closed body, in single precision [bytes]. Of all: normal; where the flow varies over them,
+# place and edges. Of those that feel something: area and moment; the law by class lets all feel something. Of the windward half: curvature
+# and second moment, where the law by class and the pillow want them.
+READ = {"straight/note": 20, "straight/class": 40, "straight/class+pillow": 52,
+        "spinning/note": 52, "spinning/class": 64, "spinning/class+pillow": 76}
+FRAME = 1e9 / 60.0  # ns
+
+
+class Missing(Exception):
+    """A row that no run had."""
+
+
+class Rows(dict):
+    """{name: {"ns", "per_triangle", ...}} of one instruction set; times in ns."""
+
+    def value(self, name, what="ns"):
+        if what not in self.get(name, {}):
+            raise Missing(name)
+        return self[name][what]
+
+    def ratio(self, slow, fast):
+        return self.value(slow) / self.value(fast)
+
+    def bandwidth(self, level, threads=1):
+        """Bytes per ns, of the better number of streams."""
+        return max(self.value(f"machine/read/{level}/streams:{n}/real_time/threads:{threads}", "bytes_per_second")
+                   for n in (1, 7)) * 1e-9
+
+
+def condensed(raw):
+    """Instruction set and rows of an output of google-benchmark."""
+    rows = Rows()
+    for run in raw["benchmarks"]:
+        if run.get("aggregate_name") != "least":
+            continue
+        to_ns = {"ns": 1.0, "us": 1e3, "ms": 1e6}[run["time_unit"]]
+        row = {"ns": run["real_time" if "/real_time" in run["run_name"] else "cpu_time"] * to_ns, "hash": run.get("label", "differs")}
+        row |= {name: run[name] * 1e9 for name in ("per_triangle", "per_body", "per_sample") if name in run}
+        row |= {name: run[name] for name in ("error", "bytes_per_triangle", "bytes_per_second", "items_per_second", "bits") if name in run}
+        rows[run["run_name"]] = {name: value if isinstance(value, str) else float(f"{value:.4g}") for name, value in row.items()}
+    return raw["context"].get("instruction_set", "recorded"), rows
+
+
+def processor_seconds(dragval):
+    """Of the program's commands, all threads, the least of two."""
+    rows = Rows()
+    with tempfile.TemporaryDirectory() as folder:
+        for name, arguments in {"compare": ["compare"], "gate": ["gate"], "report": ["report", "--output", f"{folder}/index.html"]}.items():
+            for _ in range(2):
+                process = subprocess.Popen([dragval, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                _, status, usage = os.wait4(process.pid, 0)
+                if os.waitstatus_to_exitcode(status) not in (0, 4):  # 4: it says that a case is bad
+                    raise SystemExit(f"'dragval {name}' failed with exit code {os.waitstatus_to_exitcode(status)}")
+                seconds = usage.ru_utime + usage.ru_stime
+                rows[f"dragval {name}"] = {"s": min(seconds, rows.get(f"dragval {name}", {"s": seconds})["s"])}
+    return rows
+
+
+def best(body, way, law="class+pillow", kind="single"):
+    return f"wrench/{kind}/{body}/{way}/{law}"
+
+
+def targets(fast, avx2, recorded, programs):
+    """(what, at 3f4dda5, unit, bound, measured by, what stands in the way of it). Bounds: ("<=", x) or (">=", x)."""
+    wide = "AVX3" if fast is not avx2 else "AVX2"
+    medium = "ball-12800"
+    note, whole, spinning, cube = best(medium, "straight", "note"), best(medium, "straight"), best(medium, "spinning"), best("cube-12", "straight")
+    call = "classes, silhouette and balance are worked out for every call: they cost more than twelve triangles"
+    no_row = "the part of the library that this row needs is not there yet, or its program was not built"
+    for name, rows, ratio, ns in (("AVX-512", fast, 30, 1.6), ("AVX2", avx2, 24, 2.5)):
+        if name == "AVX-512" and wide != "AVX3":
+            continue
+        yield (f"note's law, uniform, {medium}, against the textbook loop, {name}", "0.4", "x", (">=", ratio),
+               lambda rows=rows: rows.ratio(f"textbook/{medium}/straight", note),
+               "28 bytes of each triangle come from the second cache, and a compiler of today makes the textbook loop itself faster")
+        yield (f"law by class with pillow, uniform, {medium}, {name}", "170 to 220", "ns/triangle", ("<=", ns),
+               lambda rows=rows: rows.value(whole, "per_triangle"), "a root and a division for each of shelter, curvature and pillow")
+    yield ("the same, against 3f4dda5", "1", "x", (">=", 70), lambda: recorded.value(whole) / fast.value(whole), "as above")
+    yield ("the same, against the textbook loop of the note's law", "0.1", "x", (">=", 7),
+           lambda: fast.ratio(f"textbook/{medium}/straight", whole), "as above")
+    yield ("the same, spinning, 3 points", "340 to 470", "ns/triangle", ("<=", 8), lambda: fast.value(spinning, "per_triangle"),
+           "three points, each with a velocity, roots and divisions of its own")
+    yield ("the same, spinning, against 3f4dda5", "1", "x", (">=", 45), lambda: recorded.value(spinning) / fast.value(spinning), "as above")
+    yield ("cube of 12 triangles, best model, one call", "5000", "ns", ("<=", 120), lambda: fast.value(cube), call)
+    yield ("the same, in a batch of instances", "-", "ns/body", ("<=", 25),
+           lambda: fast.value("batch/cubes/straight/threads:1/real_time", "per_body"), call)
+    yield ("whole step of a free box, one by one", "16000 to 20000", "ns", ("<=", 400), lambda: fast.value("step/now/box-12"), call)
+    yield ("whole step of a free box, in a batch, 2 threads", "-", "ns/body", ("<=", 400),
+           lambda: fast.value("batch/steps/box-12/threads:2/real_time", "per_body"), call)
+    yield ("baked body, any model", "-", "ns", ("<=", 10), lambda: fast.value("baked/ball-2048"), no_row)
+    yield ("beyond the second cache, note's law, a million triangles: of the measured bandwidth", "-", "%", (">=", 90),
+           lambda: 100.0 * READ["straight/note"] / fast.value(best("ball-1002528", "straight", "note"), "per_triangle") / fast.bandwidth("32MB"),
+           "seven cache lines of every twenty are read, which the prefetcher does not foresee")
+    yield ("two threads, in cache", "1", "x", (">=", 1.85),
+           lambda: fast.ratio("batch/cubes/straight/threads:1/real_time", "batch/cubes/straight/threads:2/real_time"), no_row)
+    yield ("two threads, from memory", "1", "x", (">=", 1.5),
+           lambda: fast.ratio("batch/frame/unique/straight/threads:1/real_time", "batch/frame/unique/straight/threads:2/real_time"), no_row)
+    for faces, least in ((10000, 4), (100000, 6)):
+        yield (f"deforming mesh against Bullet, {faces} faces", "-", "x", (">=", least),
+               lambda faces=faces: fast.ratio(f"deforming/bullet/{faces}", f"deforming/dragcore/{faces}"), no_row)
+    yield ("trilinear sample, coherent", "-", "ns", ("<=", 7), lambda: fast.value("wind/coherent/32", "per_sample"),
+           "each sample is taken by itself, in double precision")
+    yield ("Surface of 100,000 triangles, prepared", "-", "s", ("<=", 0.3), lambda: 1e-9 * fast.value("surface/ball-100352"), "")
+    yield ("the same, memory", "-", "bytes/triangle", ("<=", 200), lambda: fast.value("surface/ball-100352", "bytes_per_triangle"),
+           "every triangle is there in double precision for the exact sums and once more in single precision for the kernels")
+    yield ("AVX2 gives the bits of AVX-512: rows with the same hash", "-", "%", (">=", 100), lambda: same_bits(fast, avx2), "")
+    for name, before in (("compare", 0.9), ("gate", 2.6), ("report", 24.0)):
+        yield (f"dragval {name}", f"{before}", "CPU s", ("<=", before / 2), lambda name=name: programs.value(f"dragval {name}", "s"), "")
+    yield ("float against double, largest error of force and torque, 12 to 1,000,000 triangles", "-", "", ("<=", 1e-6),
+           lambda: max(row["error"] for name, row in fast.items() if name.startswith("wrench/single/")), "")
+
+
+def same_bits(fast, avx2):
+    """Per cent of the rows of single precision that two instruction sets have."""
+    names = [name for name in fast if name in avx2 and name.startswith("wrench/single/")]
+    if fast is avx2 or not names:
+        raise Missing("of another instruction set")
+    return 100.0 * sum(fast[name]["hash"] == avx2[name]["hash"] for name in names) / len(names)
+
+
+def number(value):
+    return f"{value:.3g}" if value < 100 else f"{value:.0f}"
+
+
+def target_lines(all_targets):
+    yield from ("| | at 3f4dda5 | target | measured | of the target | | what stands in its way |", "|---|--:|--:|--:|--:|---|---|")
+    for what, before, unit, (sense, bound), measure, obstacle in all_targets:
+        start = f"| {what} | {before} | {sense.replace('<=', '≤').replace('>=', '≥')} {number(bound)} {unit} |"
+        try:
+            value = measure()
+        except Missing as row:
+            yield f"{start} - | - | not measured | no row `{row}` |"
+            continue
+        met = value <= bound if sense == "<=" else value >= bound
+        yield f"{start} {number(value)} | {value / bound:.2f} | {'met' if met else 'missed'} | {'' if met else obstacle or 'not known'} |"
+
+
+def share_lines(fast, recorded, caches):
+    """Every wrench() in single precision beside the textbook loop, commit 3f4dda5 and the machine."""
+    yield from ("| body | motion, law | ns/triangle | x textbook | x 3f4dda5 | GB/s at least | of the bandwidth there |", "|---|---|--:|--:|--:|--:|--:|")
+    for name in (n for n in fast if n.startswith("wrench/single/")):
+        _, _, body, way, law = name.split("/")
+        row, triangles = fast[name], float(body.split("-")[1])
+        rate = READ[f"{way}/{law}"] / row["per_triangle"]
+        bytes_read = READ[f"{way}/{law}"] * triangles
+        level = next((level for level, size in zip(("L1", "L2"), caches) if bytes_read < size), "32MB")
+        textbook, before = fast.get(f"textbook/{body}/{way}"), recorded.get(best(body, way, law, "recorded"))
+        cells = [f"{other['ns'] / row['ns']:.1f}" if other else "" for other in (textbook, before)]
+        try:
+            share = f"{rate / fast.bandwidth(level):.0%} of {level}"
+        except Missing:
+            share = ""
+        yield f"| {body} | {way}, {law} | {number(row['per_triangle'])} | {' | '.join(cells)} | {rate:.1f} | {share} |"
+
+
+def frame_lines(fast):
+    """A frame of 10,000 bodies."""
+    yield from ("| 10,000 bodies | ms, 1 thread | 2 threads | of a 60 Hz frame, 2 threads |", "|---|--:|--:|--:|")
+    for what, name in (*((f"{what}, {way}", f"{name}/{way}") for way in ("straight", "spinning")
+                         for what, name in (("4 million triangles, ten shapes shared", "frame/shared"),
+                                            ("4 million triangles, each its own", "frame/unique"), ("cubes", "cubes"))),
+                       ("whole steps of free boxes", "steps/box-12")):
+        times = [fast.get(f"batch/{name}/threads:{n}/real_time", {}).get("ns") for n in (1, 2)]
+        if None not in times:
+            yield f"| {what} | {times[0] * 1e-6:.2f} | {times[1] * 1e-6:.2f} | {times[1] / FRAME:.0%} |"
+
+
+def machine_lines(fast):
+    yield from ("| limit | 1 thread | 2 threads |", "|---|--:|--:|")
+    fma = [fast.get(f"machine/fma/real_time/threads:{n}") for n in (1, 2)]
+    if all(fma):
+        yield f"| products and sums, {fma[0]['bits']:.0f} bit [GFLOP/s] | " + " | ".join(f"{row['items_per_second'] * 1e-9:.0f}" for row in fma) + " |"
+    for level in ("L1", "L2", "32MB", "memory"):
+        try:
+            yield f"| reading, {level} [GB/s] | {fast.bandwidth(level):.0f} | {fast.bandwidth(level, 2):.0f} |"
+        except Missing:
+            pass
+
+
+def processor():
+    names = [line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")]
+    return f"{names[0] if names else 'processor without a name'}, {len(os.sched_getaffinity(0))} cores"
+
+
+def main():
+    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    options.add_argument("folder", type=Path)
+    options.add_argument("raw", type=Path, nargs="+")
+    options.add_argument("--commit", default="unknown")
+    options.add_argument("--dragval", type=Path)
+    chosen = options.parse_args()
+
+    raws = [json.loads(path.read_text()) for path in chosen.raw]
+    sets = {}
+    for raw in raws:
+        name, rows = condensed(raw)
+        sets.setdefault(name, Rows()).update(rows)
+    names = [name for name in sets if name != "recorded"]
+    fast = sets[names[0]]
+    sets["programs"] = processor_seconds(chosen.dragval) if chosen.dragval else Rows()
+    context = {"processor": processor(), "instruction_set": names[0], "date": raws[0]["context"]["date"][:16], "commit": chosen.commit,
+               "load_before": raws[0]["context"]["load_avg"][:1]}
+    caches = [0.0, 0.0]
+    for cache in raws[0]["context"]["caches"]:
+        if cache["type"] in ("Data", "Unified") and cache["level"] <= 2:
+            caches[cache["level"] - 1] = cache["size"]
+
+    chosen.folder.mkdir(parents=True, exist_ok=True)
+    text = json.dumps({"context": context, **sets}, indent=1)
+    (chosen.folder / "rows.json").write_text(text + "\n")
+    recorded = sets.get("recorded", Rows())
+    lines = ["# Speed, measured", "",
+             f"{context['processor']}; {names[0].replace('AVX3', 'AVX-512')}; {context['date']}; commit {chosen.commit}; load {context['load_before'][0]:.1f} before."
+             " Written by `scripts/bench.sh`; every row with the hash of its result in `rows.json`.", "", "## Targets", "",
+             *target_lines(targets(fast, sets.get("AVX2", Rows()) if "AVX3" in names else fast, Rows({n.replace("/recorded/", "/single/"): r for n, r in recorded.items()}), sets["programs"])),
+             "", "## One body", "", *share_lines(fast, recorded, caches), "", "## A frame", "", *frame_lines(fast),
+             "", "## The machine", "", *machine_lines(fast)]
+    (chosen.folder / "targets.md").write_text("\n".join(lines) + "\n")
+    print("\n".join(lines[:6 + 40]))
+
+
+if __name__ == "__main__":
+    main()
