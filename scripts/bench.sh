@@ -73,6 +73,7 @@ if $has_recorded; then
 fi
 commit=$(git rev-parse --short HEAD 2> /dev/null || echo unknown)
 git diff --quiet HEAD 2> /dev/null || commit="$commit, changed"
-/usr/bin/python3 dragcore/bench/targets.py "$results" "${raw[@]}" --commit "$commit" "${programs[@]}"
+/usr/bin/python3 dragcore/bench/targets.py "$results" "${raw[@]}" --instructions results/bench/instructions.json --commit "$commit" \
+  "${programs[@]}"
 echo
 echo "Written: $results/rows.json, $results/targets.md"

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """What scripts/bench.sh measured, made small, and held against the targets of speed: FOLDER/rows.json and FOLDER/targets.md.
 
-Usage: targets.py FOLDER RAW.json... [--commit C] [--dragval PROGRAM]
+Usage: targets.py FOLDER RAW.json... --instructions FILE [--commit C] [--dragval PROGRAM]
 
 RAW are outputs of google-benchmark: of dragcore_benchmark, by the best instruction set and by others, and of the recorded build. Of every row
-the least of the repetitions counts. --dragval times the program's commands, too. A row that was not measured is shown as such.
+the least of the repetitions counts. --instructions has the operations of some rows, as counted by callgrind. --dragval times the program's
+commands, too. A row that was not measured is shown as such.
 """
 import argparse
 import json
@@ -18,6 +19,7 @@ from pathlib import Path
 # and second moment, where the law by class and the pillow want them.
 READ = {"straight/note": 20, "straight/class": 40, "straight/class+pillow": 52,
         "spinning/note": 52, "spinning/class": 64, "spinning/class+pillow": 76}
+THREADS = {1: "", 2: "/real_time/threads:2"}
 FRAME = 1e9 / 60.0  # ns
 
 
@@ -38,8 +40,11 @@ class Rows(dict):
 
     def bandwidth(self, level, threads=1):
         """Bytes per ns, of the better number of streams."""
-        return max(self.value(f"machine/read/{level}/streams:{n}/real_time/threads:{threads}", "bytes_per_second")
-                   for n in (1, 7)) * 1e-9
+        return max(self.value(f"machine/read/{level}/streams:{n}{THREADS[threads]}", "bytes_per_second") for n in (1, 7)) * 1e-9
+
+    def peak(self, threads=1):
+        """Products and sums per ns."""
+        return self.value(f"machine/fma{THREADS[threads]}", "items_per_second") * 1e-9
 
 
 def condensed(raw):
@@ -53,7 +58,7 @@ def condensed(raw):
         row |= {name: run[name] * 1e9 for name in ("per_triangle", "per_body", "per_sample") if name in run}
         row |= {name: run[name] for name in ("error", "bytes_per_triangle", "bytes_per_second", "items_per_second", "bits") if name in run}
         rows[run["run_name"]] = {name: value if isinstance(value, str) else float(f"{value:.4g}") for name, value in row.items()}
-    return raw["context"].get("instruction_set", "recorded"), rows
+    return raw["context"].get("instruction_set", "recorded").replace("AVX3", "AVX-512"), rows
 
 
 def processor_seconds(dragval):
@@ -75,62 +80,56 @@ def best(body, way, law="class+pillow", kind="single"):
     return f"wrench/{kind}/{body}/{way}/{law}"
 
 
-def targets(fast, avx2, recorded, programs):
+def targets(by_set, recorded, programs):
     """(what, at 3f4dda5, unit, bound, measured by, what stands in the way of it). Bounds: ("<=", x) or (">=", x)."""
-    wide = "AVX3" if fast is not avx2 else "AVX2"
-    medium = "ball-12800"
-    note, whole, spinning, cube = best(medium, "straight", "note"), best(medium, "straight"), best(medium, "spinning"), best("cube-12", "straight")
-    call = "classes, silhouette and balance are worked out for every call: they cost more than twelve triangles"
-    no_row = "the part of the library that this row needs is not there yet, or its program was not built"
-    for name, rows, ratio, ns in (("AVX-512", fast, 30, 1.6), ("AVX2", avx2, 24, 2.5)):
-        if name == "AVX-512" and wide != "AVX3":
-            continue
-        yield (f"note's law, uniform, {medium}, against the textbook loop, {name}", "0.4", "x", (">=", ratio),
-               lambda rows=rows: rows.ratio(f"textbook/{medium}/straight", note),
-               "28 bytes of each triangle come from the second cache, and a compiler of today makes the textbook loop itself faster")
-        yield (f"law by class with pillow, uniform, {medium}, {name}", "170 to 220", "ns/triangle", ("<=", ns),
-               lambda rows=rows: rows.value(whole, "per_triangle"), "a root and a division for each of shelter, curvature and pillow")
-    yield ("the same, against 3f4dda5", "1", "x", (">=", 70), lambda: recorded.value(whole) / fast.value(whole), "as above")
-    yield ("the same, against the textbook loop of the note's law", "0.1", "x", (">=", 7),
-           lambda: fast.ratio(f"textbook/{medium}/straight", whole), "as above")
-    yield ("the same, spinning, 3 points", "340 to 470", "ns/triangle", ("<=", 8), lambda: fast.value(spinning, "per_triangle"),
-           "three points, each with a velocity, roots and divisions of its own")
-    yield ("the same, spinning, against 3f4dda5", "1", "x", (">=", 45), lambda: recorded.value(spinning) / fast.value(spinning), "as above")
-    yield ("cube of 12 triangles, best model, one call", "5000", "ns", ("<=", 120), lambda: fast.value(cube), call)
-    yield ("the same, in a batch of instances", "-", "ns/body", ("<=", 25),
-           lambda: fast.value("batch/cubes/straight/threads:1/real_time", "per_body"), call)
-    yield ("whole step of a free box, one by one", "16000 to 20000", "ns", ("<=", 400), lambda: fast.value("step/now/box-12"), call)
+    fast, medium = next(iter(by_set.values())), "ball-12800"
+    textbook, note, whole, spinning = f"textbook/{medium}/straight", best(medium, "straight", "note"), best(medium, "straight"), best(medium, "spinning")
+    cubes, frame = "batch/cubes/straight/threads:{}/real_time", "batch/frame/unique/straight/threads:{}/real_time"
+    roots = "a root and a division for each of shelter, curvature and pillow"
+    points = "three points, each with a velocity, roots and divisions of its own"
+    call = "silhouette, descriptors and balance are worked out in every call: they cost more than twelve triangles"
+    for name, least, most in (("AVX-512", 30, 1.6), ("AVX2", 24, 2.5)):
+        rows = by_set.get(name, Rows())
+        yield (f"note's law, uniform, {medium}, against the textbook loop, {name}", "0.4", "x", (">=", least),
+               lambda rows=rows: rows.ratio(textbook, note), "half of the time is reading from the second cache")
+        yield (f"law by class with pillow, uniform, {medium}, {name}", "170 to 220", "ns/triangle", ("<=", most),
+               lambda rows=rows: rows.value(whole, "per_triangle"), roots)
+    yield "the same, against 3f4dda5", "1", "x", (">=", 70), lambda: recorded.value(whole) / fast.value(whole), roots
+    yield "the same, against the textbook loop of the note's law", "0.1", "x", (">=", 7), lambda: fast.ratio(textbook, whole), roots
+    yield "the same, spinning, 3 points", "340 to 470", "ns/triangle", ("<=", 8), lambda: fast.value(spinning, "per_triangle"), points
+    yield "the same, spinning, against 3f4dda5", "1", "x", (">=", 45), lambda: recorded.value(spinning) / fast.value(spinning), points
+    yield "cube of 12 triangles, best model, one call", "5000", "ns", ("<=", 120), lambda: fast.value(best("cube-12", "straight")), call
+    yield "the same, in a batch of instances", "-", "ns/body", ("<=", 25), lambda: fast.value(cubes.format(1), "per_body"), call
+    yield "whole step of a free box, one by one", "16000 to 20000", "ns", ("<=", 400), lambda: fast.value("step/now/box-12"), call
     yield ("whole step of a free box, in a batch, 2 threads", "-", "ns/body", ("<=", 400),
            lambda: fast.value("batch/steps/box-12/threads:2/real_time", "per_body"), call)
-    yield ("baked body, any model", "-", "ns", ("<=", 10), lambda: fast.value("baked/ball-2048"), no_row)
+    yield "baked body, any model", "-", "ns", ("<=", 10), lambda: fast.value("baked/ball-2048"), ""
     yield ("beyond the second cache, note's law, a million triangles: of the measured bandwidth", "-", "%", (">=", 90),
            lambda: 100.0 * READ["straight/note"] / fast.value(best("ball-1002528", "straight", "note"), "per_triangle") / fast.bandwidth("32MB"),
            "seven cache lines of every twenty are read, which the prefetcher does not foresee")
-    yield ("two threads, in cache", "1", "x", (">=", 1.85),
-           lambda: fast.ratio("batch/cubes/straight/threads:1/real_time", "batch/cubes/straight/threads:2/real_time"), no_row)
-    yield ("two threads, from memory", "1", "x", (">=", 1.5),
-           lambda: fast.ratio("batch/frame/unique/straight/threads:1/real_time", "batch/frame/unique/straight/threads:2/real_time"), no_row)
+    yield "two threads, in cache", "1", "x", (">=", 1.85), lambda: fast.ratio(cubes.format(1), cubes.format(2)), ""
+    yield "two threads, from memory", "1", "x", (">=", 1.5), lambda: fast.ratio(frame.format(1), frame.format(2)), ""
     for faces, least in ((10000, 4), (100000, 6)):
         yield (f"deforming mesh against Bullet, {faces} faces", "-", "x", (">=", least),
-               lambda faces=faces: fast.ratio(f"deforming/bullet/{faces}", f"deforming/dragcore/{faces}"), no_row)
+               lambda faces=faces: fast.ratio(f"deforming/bullet/{faces}", f"deforming/dragcore/{faces}"), "")
     yield ("trilinear sample, coherent", "-", "ns", ("<=", 7), lambda: fast.value("wind/coherent/32", "per_sample"),
            "each sample is taken by itself, in double precision")
-    yield ("Surface of 100,000 triangles, prepared", "-", "s", ("<=", 0.3), lambda: 1e-9 * fast.value("surface/ball-100352"), "")
+    yield "Surface of 100,000 triangles, prepared", "-", "s", ("<=", 0.3), lambda: 1e-9 * fast.value("surface/ball-100352"), ""
     yield ("the same, memory", "-", "bytes/triangle", ("<=", 200), lambda: fast.value("surface/ball-100352", "bytes_per_triangle"),
            "every triangle is there in double precision for the exact sums and once more in single precision for the kernels")
-    yield ("AVX2 gives the bits of AVX-512: rows with the same hash", "-", "%", (">=", 100), lambda: same_bits(fast, avx2), "")
     for name, before in (("compare", 0.9), ("gate", 2.6), ("report", 24.0)):
-        yield (f"dragval {name}", f"{before}", "CPU s", ("<=", before / 2), lambda name=name: programs.value(f"dragval {name}", "s"), "")
+        yield f"dragval {name}", str(before), "CPU s", ("<=", before / 2), lambda name=name: programs.value(f"dragval {name}", "s"), ""
     yield ("float against double, largest error of force and torque, 12 to 1,000,000 triangles", "-", "", ("<=", 1e-6),
            lambda: max(row["error"] for name, row in fast.items() if name.startswith("wrench/single/")), "")
+    yield "AVX2 gives the bits of AVX-512: rows with the same hash", "-", "%", (">=", 100), lambda: same_bits(*by_set.values()), ""
 
 
-def same_bits(fast, avx2):
+def same_bits(fast, other=Rows()):
     """Per cent of the rows of single precision that two instruction sets have."""
-    names = [name for name in fast if name in avx2 and name.startswith("wrench/single/")]
-    if fast is avx2 or not names:
+    names = [name for name in fast if name in other and name.startswith("wrench/single/")]
+    if not names:
         raise Missing("of another instruction set")
-    return 100.0 * sum(fast[name]["hash"] == avx2[name]["hash"] for name in names) / len(names)
+    return 100.0 * sum(fast[name]["hash"] == other[name]["hash"] for name in names) / len(names)
 
 
 def number(value):
@@ -150,22 +149,28 @@ def target_lines(all_targets):
         yield f"{start} {number(value)} | {value / bound:.2f} | {'met' if met else 'missed'} | {'' if met else obstacle or 'not known'} |"
 
 
-def share_lines(fast, recorded, caches):
+def share_lines(fast, recorded, caches, operations):
     """Every wrench() in single precision beside the textbook loop, commit 3f4dda5 and the machine."""
-    yield from ("| body | motion, law | ns/triangle | x textbook | x 3f4dda5 | GB/s at least | of the bandwidth there |", "|---|---|--:|--:|--:|--:|--:|")
+    yield from ("| body | motion, law | ns/triangle | x textbook | x 3f4dda5 | read, at least [GB/s] | of the bandwidth there | GFLOP/s | of the peak |",
+                "|---|---|--:|--:|--:|--:|--:|--:|--:|")
     for name in (n for n in fast if n.startswith("wrench/single/")):
         _, _, body, way, law = name.split("/")
-        row, triangles = fast[name], float(body.split("-")[1])
-        rate = READ[f"{way}/{law}"] / row["per_triangle"]
-        bytes_read = READ[f"{way}/{law}"] * triangles
-        level = next((level for level, size in zip(("L1", "L2"), caches) if bytes_read < size), "32MB")
-        textbook, before = fast.get(f"textbook/{body}/{way}"), recorded.get(best(body, way, law, "recorded"))
-        cells = [f"{other['ns'] / row['ns']:.1f}" if other else "" for other in (textbook, before)]
-        try:
-            share = f"{rate / fast.bandwidth(level):.0%} of {level}"
-        except Missing:
-            share = ""
-        yield f"| {body} | {way}, {law} | {number(row['per_triangle'])} | {' | '.join(cells)} | {rate:.1f} | {share} |"
+        row, (shape, triangles) = fast[name], body.split("-")
+        triangles = float(triangles)
+        # A triangle of a larger ball has the same: of 2048, what belongs to the call is lost among them.
+        counted, of = ("ball-2048", 2048) if shape == "ball" else (body, triangles)
+        floating = operations.get(best(counted, way, law), {"operations": 0})["operations"] * triangles / of
+        read = READ[f"{way}/{law}"]
+        level = next((level for level, size in zip(("L1", "L2"), caches) if read * triangles < size), "32MB")
+        others = fast.get(f"textbook/{body}/{way}"), recorded.get(best(body, way, law))
+        cells = [number(row["per_triangle"]), *(f"{other['ns'] / row['ns']:.1f}" if other else "" for other in others)]
+        for rate, limit, where in ((read / row["per_triangle"], lambda: fast.bandwidth(level), f" of {level}"),
+                                   (floating / row["ns"], fast.peak, "")):
+            try:
+                cells += [f"{rate:.1f}", f"{rate / limit():.0%}{where}"] if rate else ["", ""]
+            except Missing:
+                cells += [f"{rate:.1f}", ""]
+        yield f"| {body} | {way}, {law} | {' | '.join(cells)} |"
 
 
 def frame_lines(fast):
@@ -182,12 +187,12 @@ def frame_lines(fast):
 
 def machine_lines(fast):
     yield from ("| limit | 1 thread | 2 threads |", "|---|--:|--:|")
-    fma = [fast.get(f"machine/fma/real_time/threads:{n}") for n in (1, 2)]
-    if all(fma):
-        yield f"| products and sums, {fma[0]['bits']:.0f} bit [GFLOP/s] | " + " | ".join(f"{row['items_per_second'] * 1e-9:.0f}" for row in fma) + " |"
-    for level in ("L1", "L2", "32MB", "memory"):
+    bits = fast.get("machine/fma", {}).get("bits", 0)
+    for what, limit in ((f"products and sums, {bits:.0f} bit [GFLOP/s]", fast.peak),
+                        *((f"reading, {level} [GB/s]", lambda threads, level=level: fast.bandwidth(level, threads))
+                          for level in ("L1", "L2", "32MB", "memory"))):
         try:
-            yield f"| reading, {level} [GB/s] | {fast.bandwidth(level):.0f} | {fast.bandwidth(level, 2):.0f} |"
+            yield f"| {what} | {limit(1):.0f} | {limit(2):.0f} |"
         except Missing:
             pass
 
@@ -203,35 +208,33 @@ def main():
     options.add_argument("raw", type=Path, nargs="+")
     options.add_argument("--commit", default="unknown")
     options.add_argument("--dragval", type=Path)
+    options.add_argument("--instructions", type=Path, required=True)
     chosen = options.parse_args()
 
     raws = [json.loads(path.read_text()) for path in chosen.raw]
-    sets = {}
-    for raw in raws:
-        name, rows = condensed(raw)
-        sets.setdefault(name, Rows()).update(rows)
-    names = [name for name in sets if name != "recorded"]
-    fast = sets[names[0]]
-    sets["programs"] = processor_seconds(chosen.dragval) if chosen.dragval else Rows()
-    context = {"processor": processor(), "instruction_set": names[0], "date": raws[0]["context"]["date"][:16], "commit": chosen.commit,
-               "load_before": raws[0]["context"]["load_avg"][:1]}
+    by_set = dict(condensed(raw) for raw in raws)
+    # As if they were rows of today.
+    recorded = Rows({name.replace("/recorded/", "/single/"): row for name, row in by_set.pop("recorded", {}).items()})
+    programs = processor_seconds(chosen.dragval) if chosen.dragval else Rows()
+    chosen_set, fast = next(iter(by_set.items()))
+    context = {"processor": processor(), "date": raws[0]["context"]["date"][:16], "commit": chosen.commit,
+               "load_before": raws[0]["context"]["load_avg"][0]}
     caches = [0.0, 0.0]
     for cache in raws[0]["context"]["caches"]:
         if cache["type"] in ("Data", "Unified") and cache["level"] <= 2:
             caches[cache["level"] - 1] = cache["size"]
 
     chosen.folder.mkdir(parents=True, exist_ok=True)
-    text = json.dumps({"context": context, **sets}, indent=1)
-    (chosen.folder / "rows.json").write_text(text + "\n")
-    recorded = sets.get("recorded", Rows())
+    (chosen.folder / "rows.json").write_text(
+        json.dumps({"context": context, **by_set, "3f4dda5": recorded, "programs": programs}, indent=1) + "\n")
     lines = ["# Speed, measured", "",
-             f"{context['processor']}; {names[0].replace('AVX3', 'AVX-512')}; {context['date']}; commit {chosen.commit}; load {context['load_before'][0]:.1f} before."
-             " Written by `scripts/bench.sh`; every row with the hash of its result in `rows.json`.", "", "## Targets", "",
-             *target_lines(targets(fast, sets.get("AVX2", Rows()) if "AVX3" in names else fast, Rows({n.replace("/recorded/", "/single/"): r for n, r in recorded.items()}), sets["programs"])),
-             "", "## One body", "", *share_lines(fast, recorded, caches), "", "## A frame", "", *frame_lines(fast),
-             "", "## The machine", "", *machine_lines(fast)]
+             f"{context['processor']}; {chosen_set}; {context['date']}; commit {chosen.commit}; load {context['load_before']:.1f} before."
+             " Written by `scripts/bench.sh`; every row with the hash of its result in `rows.json`.",
+             "", "## Targets", "", *target_lines(targets(by_set, recorded, programs)),
+             "", "## One body", "", *share_lines(fast, recorded, caches, json.loads(chosen.instructions.read_text())),
+             "", "## A frame", "", *frame_lines(fast), "", "## The machine", "", *machine_lines(fast)]
     (chosen.folder / "targets.md").write_text("\n".join(lines) + "\n")
-    print("\n".join(lines[:6 + 40]))
+    print("\n".join(lines))
 
 
 if __name__ == "__main__":

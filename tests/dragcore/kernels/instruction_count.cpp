@@ -33,15 +33,16 @@ void count_wrench(const std::string& name, const Surface& surface, const Motion&
 
 void count_evaluations() {
   const bench::Body &ball = bench::body("ball-2048"), &cube = bench::body("cube-12");
-  for (const std::string way : {"straight", "spinning"})
-    for (const std::string law : {"note", "class+pillow"}) {
-      Model model = bench::model(law, ball.surface);
-      model.precision = Precision::single;
-      count_wrench("wrench/single/ball-2048/" + way + "/" + law, ball.surface, bench::motion(way), model);
-    }
-  const Model best = model_for(cube.surface);
-  count_wrench("wrench/single/cube-12/straight/class+pillow", cube.surface, bench::motion("straight"), best);
-  count("resistance/now/cube-12/spinning", [&] { sink = resistance(cube.surface, bench::motion("spinning"), {}, best)(0, 0); });
+  for (const std::string name : {"cube-12", "ball-2048"})
+    for (const std::string way : {"straight", "spinning"})
+      for (const std::string law : {"note", "class", "class+pillow"}) {
+        const Surface& surface = bench::body(name).surface;
+        Model model = bench::model(law, surface);
+        model.precision = Precision::single;
+        count_wrench("wrench/single/" + name + "/" + way + "/" + law, surface, bench::motion(way), model);
+      }
+  count("resistance/now/cube-12/spinning",
+        [&] { sink = resistance(cube.surface, bench::motion("spinning"), {}, model_for(cube.surface))(0, 0); });
   count("triangle_forces/ball-2048", [&] {
     sink = triangle_forces(ball.surface, bench::motion("spinning"), {}, bench::model("class+pillow", ball.surface)).force(0, 0);
   });
