@@ -38,7 +38,7 @@ build_recorded() {
       cmake --build "$source/built" --target dragcore -j "$(nproc)" >> "$source/log" 2>&1 || { tail -n 20 "$source/log" >&2; exit 1; }
   fi
   g++ -std=c++20 -O3 -DNDEBUG -w -I"$source/dragcore/include" $(pkg-config --cflags eigen3) dragcore/bench/recorded_build.cpp \
-    "$source/built/libdragcore.a" -lbenchmark -lpthread -o "$recorded"
+    "$source/built/libdragcore.a" -lbenchmark -lpthread -o "$recorded" || exit 1
 }
 
 mkdir -p build/bench
@@ -46,18 +46,24 @@ rm -f build/bench/*.json
 targets=(dragcore_benchmark)
 [[ $mode == --quick ]] || targets+=(dragval)
 scripts/build.sh release "${targets[@]}"
+has_peers=false
+if cmake --build build/release --target help | grep -q '^peers_benchmark:'; then
+  scripts/build.sh release peers_benchmark
+  has_peers=true
+fi
 has_recorded=true
 build_recorded || has_recorded=false
 
 awk -v cores="$(nproc)" '$1 > 0.3 * cores { print "other programs are running (load " $1 "): these figures are rough" }' /proc/loadavg >&2
 options=(--benchmark_repetitions=7 --benchmark_min_time=0.1 --benchmark_report_aggregates_only=true --benchmark_enable_random_interleaving=true)
 results=results/bench
-rows=.
+rows=. deforming=.
 programs=(--dragval "$bin/dragval")
 if [[ $mode == --quick ]]; then
   options=(--benchmark_repetitions=2 --benchmark_min_time=0.01 --benchmark_report_aggregates_only=true)
   results=build/bench/results
   programs=()
+  deforming=1058
   rows='/(cube-12|box-12|ball-2048|ball-12800|coherent|L1|L2|32MB|fma)'
 fi
 run() { "$1" "${options[@]}" --benchmark_out="build/bench/$2.json" "${@:3}" > "build/bench/$2.log" 2>&1 || { tail -n 20 "build/bench/$2.log" >&2; exit 1; }; }
@@ -70,6 +76,10 @@ fi
 if $has_recorded; then
   run "$recorded" recorded --benchmark_filter="$rows"
   raw+=(build/bench/recorded.json)
+fi
+if $has_peers; then
+  run "$bin/peers_benchmark" peers --benchmark_filter="$deforming"
+  raw+=(build/bench/peers.json)
 fi
 commit=$(git rev-parse --short HEAD 2> /dev/null || echo unknown)
 git diff --quiet HEAD 2> /dev/null || commit="$commit, changed"

@@ -6,6 +6,7 @@
 int main(int count, char** words) {
   using namespace dragcore;
   benchmark::Initialize(&count, words);
+  benchmark::AddCustomContext("instruction_set", "recorded");
   bench::add_wrench_rows({"recorded",
                           {"cube-12", "ball-2048", "ball-12800", "sheet-3200"},
                           [](Model&) {},
