@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Installs what a Debian 12 machine still lacks: packages through apt-get, the report's JavaScript through npm. Does nothing when all is there.
 # Usage: scripts/install.sh [--without-cfd | --with-slurm | --with-bench]
-#   --with-bench   no OpenFOAM, but what only the benchmarks need: google-benchmark, valgrind
-#   --with-slurm   also what only the tests need: all that, the daemons of a one-node Slurm, and clang
+#   --with-bench   without OpenFOAM, with what the benchmarks need: google-benchmark and valgrind
+#   --with-slurm   also what only the tests need: those two, the daemons of a one-node Slurm, and clang
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

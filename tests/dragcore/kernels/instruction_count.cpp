@@ -46,6 +46,9 @@ void count_evaluations() {
   count("triangle_forces/ball-2048", [&] {
     sink = triangle_forces(ball.surface, bench::motion("spinning"), {}, bench::model("class+pillow", ball.surface)).force(0, 0);
   });
+  const bench::FreeBox box;
+  bench::FreeFlight flight;
+  count("step/now/box-12", [&] { flight.step(box); });
   // The control: no line of the library is in it.
   const bench::IndexedMesh indexed(ball.mesh);
   count("textbook/ball-2048/straight", [&] { sink = bench::textbook(indexed, bench::motion("straight"), {}).force.x(); });
