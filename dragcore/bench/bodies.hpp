@@ -38,7 +38,7 @@ inline const Body& body(const std::string& name) {
   return made.emplace(name, Body{mesh, Surface(mesh)}).first->second;
 }
 
-/// "straight", or "spinning" at half a radian per length of travel: three points a triangle.
+/// "straight", or "spinning" by a third of a radian per metre of travel: three points a triangle.
 inline Motion motion(const std::string& name) {
   Motion result{.velocity = {-10, -1, -2}};
   if (name == "spinning") result.angular_velocity = {3, 2, 1};
