@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# google-benchmark 1.7.1 (Debian 12): a counter kIsIterationInvariantRate under Threads(n) is n times too high: it multiplies the sum over the
-# threads by the sum of their iterations. SetItemsProcessed() of the same work is right.
+# google-benchmark 1.7.1 (Debian 12): a counter kIsIterationInvariantRate under Threads(n) is n times too high: it multiplies the sum over
+# the threads by the sum of their iterations. SetItemsProcessed() of the same work is right.
 #
-# Why it matters: this counter is how one gives work per iteration as a rate. For two threads a machine's peak came out as four times that of
-# one, and a perfect speed-up looks like the square of the number of threads. Rows of several threads here use SetItemsProcessed().
+# Why it matters: this counter is how one gives work per iteration as a rate. For two threads a machine's peak came out as four times that
+# of one, and a perfect speed-up looks like the square of the number of threads. Rows of several threads here use SetItemsProcessed().
 #
-# Installs the pinned packages into a temporary folder, runs two threads that each take a millisecond an iteration, and fails if the behaviour
+# Installs the pinned packages into a temporary folder, runs threads that take a millisecond an iteration, and fails if the behaviour
 # changes.
 set -euo pipefail
 version=1.7.1-1

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Measures how fast the library is: installs what is missing, builds, runs, and writes results/bench/rows.json and targets.md. For figures that
-# count, leave the machine alone meanwhile: ten minutes.
+# Measures how fast the library is: installs what is missing, builds, runs, and writes results/bench/rows.json and targets.md. For figures
+# that count, leave the machine alone meanwhile: ten minutes.
 #
 # Usage: scripts/bench.sh [--quick | --accept-instructions]
 #   --quick                 a smoke run of half a minute, small bodies alone; writes to build/bench/results
@@ -55,22 +55,27 @@ has_recorded=true
 build_recorded || has_recorded=false
 
 awk -v cores="$(nproc)" '$1 > 0.3 * cores { print "other programs are running (load " $1 "): these figures are rough" }' /proc/loadavg >&2
-options=(--benchmark_repetitions=7 --benchmark_min_time=0.1 --benchmark_report_aggregates_only=true --benchmark_enable_random_interleaving=true)
+options=(--benchmark_report_aggregates_only=true --benchmark_repetitions=7 --benchmark_min_time=0.1
+  --benchmark_enable_random_interleaving=true)
 results=results/bench
 rows=. deforming=.
 programs=(--dragval "$bin/dragval")
 if [[ $mode == --quick ]]; then
-  options=(--benchmark_repetitions=2 --benchmark_min_time=0.01 --benchmark_report_aggregates_only=true)
+  options=(--benchmark_report_aggregates_only=true --benchmark_repetitions=2 --benchmark_min_time=0.01)
   results=build/bench/results
   programs=()
   deforming=1058
   rows='/(cube-12|box-12|ball-2048|ball-12800|coherent|L1|L2|32MB|fma)'
 fi
-run() { "$1" "${options[@]}" --benchmark_out="build/bench/$2.json" "${@:3}" > "build/bench/$2.log" 2>&1 || { tail -n 20 "build/bench/$2.log" >&2; exit 1; }; }
+run() {  # PROGRAM NAME OPTION...
+  local to=build/bench/$2
+  "$1" "${options[@]}" --benchmark_out="$to.json" "${@:3}" > "$to.log" 2>&1 || { tail -n 20 "$to.log" >&2; exit 1; }
+}
 run "$bin/dragcore_benchmark" best --benchmark_filter="$rows"
 raw=(build/bench/best.json)
 if grep -q '"instruction_set": "AVX3' build/bench/best.json; then
-  run "$bin/dragcore_benchmark" avx2 --target=AVX2 --benchmark_filter='^machine/fma|^(textbook|wrench/single)/(cube-12|sheet|ball-2048|ball-12800)'
+  run "$bin/dragcore_benchmark" avx2 --target=AVX2 \
+    --benchmark_filter='^machine/fma|^(textbook|wrench/single)/(cube-12|sheet|ball-2048|ball-12800)'
   raw+=(build/bench/avx2.json)
 fi
 if $has_recorded; then

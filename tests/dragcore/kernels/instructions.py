@@ -2,8 +2,9 @@
 """Instructions of fixed evaluations, by callgrind: no change unseen, and effects that are off cost none.
 
 Counts per evaluation may differ from those in VALUES by 2 %: a better count must be accepted as well as a worse one, or the next loss would
-hide behind it. Operations on floating-point numbers are counted beside them, for the share of what the machine could do. Masked off, an effect costs what a law without it costs, to the instruction per triangle; felt, it costs more. Last, faults
-are seeded into what was counted: each must be found.
+hide behind it. Operations on floating-point numbers are counted beside them, for the share of what the machine could do. Masked off, an
+effect costs what a law without it costs, to the instruction per triangle; felt, it costs more. Last, faults are seeded into what was
+counted: each must be found.
 
 Usage: instructions.py PROGRAM VALUES.json [--accept]
 """
