@@ -15,6 +15,7 @@ void add_drag_rows();
 void add_surface_rows();
 void add_wind_rows();
 void add_batch_rows();
+void add_baked_rows();
 }  // namespace dragcore::bench
 
 int main(int count, char** words) {
@@ -42,6 +43,9 @@ int main(int count, char** words) {
   bench::add_wind_rows();
 #ifdef DRAGCORE_BENCHMARK_BATCH
   bench::add_batch_rows();
+#endif
+#ifdef DRAGCORE_BENCHMARK_BAKED
+  bench::add_baked_rows();
 #endif
   const bool some = benchmark::RunSpecifiedBenchmarks() > 0;  // rows that met the filter
   return some && !bench::any_wrong ? 0 : 1;

@@ -56,7 +56,7 @@ def condensed(raw):
             to_ns = {"ns": 1.0, "us": 1e3, "ms": 1e6}[run["time_unit"]]
             row["ns"] = run["real_time" if "/real_time" in run["run_name"] else "cpu_time"] * to_ns
             row |= {name: run[name] * 1e9 for name in ("per_triangle", "per_body", "per_sample") if name in run}
-            row |= {name: run[name] for name in ("error", "bytes_per_triangle", "bits") if name in run}
+            row |= {name: run[name] for name in ("error", "bytes_per_triangle", "bits", "rms", "KiB") if name in run}
             row["hash"] = run.get("label", "differs")
         elif run.get("aggregate_name") == "most":
             row |= {name: run[name] for name in ("bytes_per_second", "items_per_second") if name in run}
@@ -108,7 +108,11 @@ def targets(by_set, recorded, programs):
     yield "whole step of a free box, one by one", "16000 to 20000", "ns", ("<=", 400), lambda: fast.value("step/now/box-12"), call
     yield ("whole step of a free box, in a batch, 2 threads", "-", "ns/body", ("<=", 400),
            lambda: fast.value("batch/steps/box-12/threads:2/real_time", "per_body"), call)
-    yield "baked body, any model", "-", "ns", ("<=", 10), lambda: fast.value("baked/ball-2048"), ""
+    for body in ("ball-2048", "cube-12"):
+        baked = f"baked/{body}/straight"
+        yield f"baked {body}, best model", "-", "ns", ("<=", 10), lambda baked=baked: fast.value(baked), ""
+        yield "the same, rms error", "-", "%", ("<=", 1), lambda baked=baked: 100.0 * fast.value(baked, "rms"), ""
+        yield "the same, size", "-", "KiB", ("<=", 64), lambda baked=baked: fast.value(baked, "KiB"), ""
     million = best("ball-1002528", "straight", "note")
     yield ("beyond the second cache, note's law, a million triangles: of the measured bandwidth", "-", "%", (">=", 90),
            lambda: 100.0 * READ["straight/note"] / fast.value(million, "per_triangle") / fast.bandwidth("32MB"),

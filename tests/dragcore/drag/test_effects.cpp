@@ -10,11 +10,11 @@
 #include "tests/dragcore/drag/effects_cases.hpp"
 
 using namespace dragcore;
-using Eigen::Vector3d;
 using effects_cases::effect;
 using effects_cases::take_away;
 using effects_cases::whole_model;
 using effects_cases::whole_motion;
+using Eigen::Vector3d;
 
 namespace {
 
