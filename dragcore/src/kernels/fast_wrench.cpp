@@ -9,30 +9,57 @@ namespace dragcore {
 
 using Eigen::Vector3d;
 
-std::optional<WrenchByTerm> fast_wrench(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
-  if (!kernels::know(surface, model)) return std::nullopt;
+namespace {
+
+/// Terms that the kernels sum for a law.
+bool is_on(Term term, const kernels::ResolvedLaw& law) {
+  switch (term) {
+    case Term::windward_pressure:
+      return true;
+    case Term::leeward_suction:
+      return law.leeward;
+    case Term::base_suction:
+      return law.base;
+    case Term::rear_recovery:
+      return law.recovery;
+    case Term::curvature:
+      return law.curvature;
+    case Term::friction:
+      return law.friction;
+    case Term::count:
+      break;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool fast_wrench(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model, WrenchByTerm& result) {
+  if (!kernels::know(surface, model)) return false;
   kernels::BodyFlow flow(surface, motion, medium, model);
-  WrenchByTerm result;
   EnergyBalance balance;
+  kernels::PartFlow part;
   for (std::size_t p = 0; p < surface.parts.size(); ++p) {
-    const std::optional<kernels::PartFlow> part = flow.of(p);
-    if (!part) return std::nullopt;
-    if (part->speed == 0.0) continue;
-    const kernels::PartSums sums = kernels::part_sums(part->task);
+    if (!flow.of(p, part)) return false;
+    if (part.speed == 0.0) continue;
+    const kernels::PartSums sums = kernels::part_sums(part.task);
     double taken = sums.taken, given = sums.given;
-    for (std::size_t term = 0; term < sums.terms.size(); ++term) {
-      const auto& sum = sums.terms[term];
-      const Vector3d force(sum[0], sum[1], sum[2]), torque(sum[3], sum[4], sum[5]);
-      if (!part->task.varies) (kernels::pushes(term) ? given : taken) += std::abs(force.dot(part->relative));
-      result.terms[term] += part->in_newton(force, torque);
+    for (std::size_t k = 0; k < sums.terms.size(); ++k) {
+      const Term term = static_cast<Term>(k);
+      if (!is_on(term, part.task.law)) continue;
+      const double* sum = sums.terms[k].data();
+      const Eigen::Map<const Vector3d> force(sum), torque(sum + 3);
+      if (!part.task.varies) (kernels::pushes(term) ? given : taken) += std::abs(force.dot(part.relative));
+      result[term] += part.in_newton(force, torque);
     }
-    balance.add(part->to_newton * part->speed * taken, part->to_newton * part->speed * given);
+    balance.add(part.to_newton * part.speed * taken, part.to_newton * part.speed * given);
   }
   // Eq. 13.
-  if (balance.has_gain())
-    for (const Term term : {Term::curvature, Term::rear_recovery})
-      result[term] = {balance.gain_share() * result[term].force, balance.gain_share() * result[term].torque};
-  return result;
+  if (balance.has_gain()) {
+    const double share = balance.gain_share();
+    for (const Term term : {Term::curvature, Term::rear_recovery}) result[term].force *= share, result[term].torque *= share;
+  }
+  return true;
 }
 
 }  // namespace dragcore

@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "drag/body_law.hpp"
-#include "drag/folded_model.hpp"
-
 namespace dragcore::kernels {
 
 using Eigen::Vector3d;
@@ -17,6 +14,8 @@ std::array<float, 5> single(const Law::Polynomial& p) {
   std::transform(p.begin(), p.end(), result.begin(), [](double x) { return static_cast<float>(x); });
   return result;
 }
+
+}  // namespace
 
 ResolvedLaw resolved(const BodyLaw& law, const ActiveEffects& active, const PackedSurface::Part& part, double pillow_factor) {
   ResolvedLaw result;
@@ -40,8 +39,6 @@ ResolvedLaw resolved(const BodyLaw& law, const ActiveEffects& active, const Pack
   result.pillow = result.pillow_factor > 0.0f;
   return result;
 }
-
-}  // namespace
 
 bool know(const Surface& surface, const Model& model) {
   return model.precision == Precision::single && surface.packed && surface.packed->parts.size() == surface.parts.size() &&
@@ -70,11 +67,10 @@ Descriptors BodyFlow::described(std::size_t p, const Vector3d& direction, const 
                         direction);
 }
 
-std::optional<PartFlow> BodyFlow::of(std::size_t p) {
+bool BodyFlow::of(std::size_t p, PartFlow& result) {
   const PackedSurface& packed = *surface_.packed;
   const Part& part = surface_.parts[p];
   const PackedSurface::Part& packed_part = packed.parts[p];
-  PartFlow result;
   result.area = packed_part.area, result.size = packed_part.size, result.arm = packed_part.origin - motion_.reference_point;
   // The same velocities as the kernels take them: a flow at the origin, its gradient, and the winds of triangles in place of the first.
   const Vector3d centre_flow = flow_.at_centre(p);
@@ -83,9 +79,9 @@ std::optional<PartFlow> BodyFlow::of(std::size_t p) {
   if (flow_.varies_by_triangle())
     for (std::size_t slot = packed_part.groups.first * lanes; slot < packed_part.groups.last * lanes; ++slot)
       if (packed.triangle[slot] >= 0) speed = std::max(speed, flow_.at(packed_part.origin, packed.triangle[slot]).norm());
-  if (speed == 0.0) return result;
-  if (!(speed < 1e140)) return std::nullopt;  // its square, times an area, must be a number
   result.speed = speed;
+  if (speed == 0.0) return true;
+  if (!(speed < 1e140)) return false;  // its square, times an area, must be a number
   result.to_newton = 0.5 * medium_.density * speed * speed * result.area;
   result.relative = centre_flow / speed;
 
@@ -105,6 +101,7 @@ std::optional<PartFlow> BodyFlow::of(std::size_t p) {
   task.direction = direction.cast<float>();
   task.variation = static_cast<float>(flow_.variation_per_metre() * result.size / speed);
   task.quadrature = flow_.varies_on_triangles() ? model_.quadrature : Quadrature::one;
+  task.wind = nullptr;
   if (flow_.varies_by_triangle()) {
     if (winds_.size() == 0) winds_ = Aligned<GroupWind>(packed.groups.size());
     for (std::size_t slot = packed_part.groups.first * lanes; slot < packed_part.groups.last * lanes; ++slot)
@@ -115,6 +112,7 @@ std::optional<PartFlow> BodyFlow::of(std::size_t p) {
       }
     task.wind = &winds_.data()->velocity;
   }
+  task.reached = nullptr;
   if (surface_.exposure && directed > 0.0) {
     const Exposure::Sample sample = surface_.exposure->towards(-centre_flow);
     reached_.resize(packed.triangle.size(), 1.0f);
@@ -123,7 +121,7 @@ std::optional<PartFlow> BodyFlow::of(std::size_t p) {
         reached_[slot] = static_cast<float>(1.0 - directed * (1.0 - surface_.exposure->share(packed.triangle[slot], sample)));
     task.reached = reached_.data();
   }
-  return result;
+  return true;
 }
 
 }  // namespace dragcore::kernels

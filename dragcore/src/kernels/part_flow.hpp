@@ -1,10 +1,10 @@
 #pragma once
 
 #include <dragcore/drag.hpp>
-#include <optional>
 #include <vector>
 
-#include "drag/relative_flow.hpp"
+#include "drag/body_law.hpp"
+#include "drag/folded_model.hpp"
 #include "kernels/wrench_kernel.hpp"
 
 namespace dragcore::kernels {
@@ -14,9 +14,10 @@ namespace dragcore::kernels {
 bool know(const Surface& surface, const Model& model);
 
 /// Terms that push the body through the air; all others hold it back.
-inline bool pushes(std::size_t term) {
-  return term == static_cast<std::size_t>(Term::curvature) || term == static_cast<std::size_t>(Term::rear_recovery);
-}
+inline bool pushes(Term term) { return term == Term::curvature || term == Term::rear_recovery; }
+
+/// @param pillow_factor  kappa, faded; 0: no pillow
+ResolvedLaw resolved(const BodyLaw& law, const ActiveEffects& active, const PackedSurface::Part& part, double pillow_factor);
 
 /// What the kernels need of one part in one motion, and the way back to newtons.
 struct PartFlow {
@@ -39,8 +40,8 @@ class BodyFlow {
  public:
   BodyFlow(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model);
 
-  /// Valid until the next call. Empty where the speeds are beyond single precision.
-  std::optional<PartFlow> of(std::size_t part);
+  /// Valid until the next call. @return  false where the speeds are beyond single precision
+  bool of(std::size_t part, PartFlow& result);
 
  private:
   Descriptors described(std::size_t part, const Eigen::Vector3d& direction, const Law& law, const ActiveEffects& active);

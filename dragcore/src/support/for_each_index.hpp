@@ -8,7 +8,7 @@
 #include <tbb/parallel_for.h>
 #endif
 
-namespace dragcore::kernels {
+namespace dragcore {
 
 /// Calls work(i) for every i below `count`, on the threads of the caller's arena where the library has any (DRAGCORE_THREADS).
 /// @param grain  calls that a thread takes at once at least
@@ -42,4 +42,4 @@ Sum in_chunks(std::size_t first, std::size_t last, const Work& work, const Add& 
   return all;
 }
 
-}  // namespace dragcore::kernels
+}  // namespace dragcore
