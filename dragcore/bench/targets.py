@@ -124,7 +124,7 @@ def targets(by_set, recorded, programs):
                lambda faces=faces: fast.ratio(f"deforming/bullet/{faces}", f"deforming/dragcore/{faces}"),
                "a surface that deforms is prepared anew: parts, patches and curvature, for every frame")
     yield ("trilinear sample, coherent", "-", "ns", ("<=", 7), lambda: fast.value("wind/coherent/32", "per_sample"),
-           "each sample is taken by itself, in double precision")
+           "")
     yield "Surface of 100,000 triangles, prepared", "-", "s", ("<=", 0.3), lambda: 1e-9 * fast.value("surface/ball-100352"), ""
     yield ("the same, memory", "-", "bytes/triangle", ("<=", 200), lambda: fast.value("surface/ball-100352", "bytes_per_triangle"),
            "every triangle is there in double precision for the exact sums and once more in single precision for the kernels")
