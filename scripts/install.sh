@@ -1,14 +1,16 @@
 #!/usr/bin/env bash
 # Installs what a Debian 12 machine still lacks: packages through apt-get, the report's JavaScript through npm. Does nothing when all is there.
-# Usage: scripts/install.sh [--without-cfd | --with-slurm]
-#   --with-slurm   also what only the tests need: the daemons of a one-node Slurm, and clang
+# Usage: scripts/install.sh [--without-cfd | --with-slurm | --with-bench]
+#   --with-bench   without OpenFOAM, with what the benchmarks need: google-benchmark and valgrind
+#   --with-slurm   also what only the tests need: those two, the daemons of a one-node Slurm, and clang
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 packages=(build-essential cmake ninja-build pkg-config git ca-certificates
   libeigen3-dev libhwy-dev libtbb-dev libembree-dev catch2 libhdf5-dev hdf5-tools libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libfmt-dev
   libssl-dev libboost-dev libceres-dev libgmsh-dev python3 python3-h5py chromium fonts-dejavu-core)
-[[ ${1:-} == --without-cfd ]] || packages+=(openfoam openmpi-bin)
+[[ ${1:-} == --without-cfd || ${1:-} == --with-bench ]] || packages+=(openfoam openmpi-bin)
+[[ ${1:-} != --with-bench && ${1:-} != --with-slurm ]] || packages+=(libbenchmark-dev valgrind)
 [[ ${1:-} != --with-slurm ]] || packages+=(slurmctld slurmd slurm-client munge)
 [[ ${1:-} != --with-slurm ]] || command -v clang++ > /dev/null || packages+=(clang)
 # Node.js from elsewhere is as good as Debian's.

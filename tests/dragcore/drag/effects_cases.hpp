@@ -5,11 +5,58 @@
 
 #include "tests/dragcore/drag/hostile.hpp"
 
-/// A few hundred seeded cases that have every effect, and a hash of the bits of all they give.
+/// Cases that have every effect.
 namespace effects_cases {
 
-inline std::uint64_t hash_of_results(dragcore::Effects effects) {
-  using namespace dragcore;
+using namespace dragcore;
+
+inline Effect effect(unsigned i) { return static_cast<Effect>(1u << i); }
+
+/// A model and a motion that have every effect, and what takes one of them away.
+inline Model whole_model() {
+  Model model{.law = closed_law(), .pillow = {PillowForm::tilt, 0.8}};
+  model.law.leeward = {0.0, 0.2, 0.1, 0.0, 0.0};
+  model.law.friction = 0.02;
+  return model;
+}
+
+inline const Motion whole_motion{
+    .wind = {5, 1, 2}, .velocity = {0, 1, 0}, .angular_velocity = {1, 2, 3}, .wind_gradient = 0.2 * Eigen::Matrix3d::Identity()};
+
+inline void take_away(unsigned i, Model& model, Motion& motion) {
+  switch (effect(i)) {
+    case Effect::leeward_suction:
+      model.law.leeward = {};
+      break;
+    case Effect::friction:
+      model.law.friction = 0.0;
+      break;
+    case Effect::base_suction:
+      model.law.base_suction = 0.0;
+      break;
+    case Effect::recovery:
+      model.law.recovery = 0.0;
+      break;
+    case Effect::shelter:
+      model.law.shelter = 0.0;
+      break;
+    case Effect::curvature:
+      model.law.curvature = 0.0;
+      break;
+    case Effect::pillow:
+      model.pillow = {};
+      break;
+    case Effect::spin:
+      motion.angular_velocity.setZero();
+      break;
+    case Effect::wind_variation:
+      motion.wind_gradient.setZero();
+      break;
+  }
+}
+
+/// A hash of the bits of all that a few hundred seeded cases give.
+inline std::uint64_t hash_of_results(Effects effects) {
   std::uint64_t hash = 14695981039346656037u;  // FNV-1a
   const auto add = [&hash](double value) {
     std::uint64_t bits;

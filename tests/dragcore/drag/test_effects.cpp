@@ -10,6 +10,10 @@
 #include "tests/dragcore/drag/effects_cases.hpp"
 
 using namespace dragcore;
+using effects_cases::effect;
+using effects_cases::take_away;
+using effects_cases::whole_model;
+using effects_cases::whole_motion;
 using Eigen::Vector3d;
 
 namespace {
@@ -26,51 +30,6 @@ Counts counted(const std::function<void()>& run) {
 std::vector<Counts> counts_of(const Surface& surface, const Motion& motion, const Model& model) {
   return {counted([&] { wrench(surface, motion, {}, model); }), counted([&] { triangle_forces(surface, motion, {}, model); }),
           counted([&] { resistance(surface, motion, {}, model); }), counted([&] { force_jacobian(surface, motion, {}, model); })};
-}
-
-Effect effect(unsigned i) { return static_cast<Effect>(1u << i); }
-
-/// A model and a motion that have every effect, and what takes one of them away.
-Model whole_model() {
-  Model model{.law = closed_law(), .pillow = {PillowForm::tilt, 0.8}};
-  model.law.leeward = {0.0, 0.2, 0.1, 0.0, 0.0};
-  model.law.friction = 0.02;
-  return model;
-}
-
-const Motion whole_motion{
-    .wind = {5, 1, 2}, .velocity = {0, 1, 0}, .angular_velocity = {1, 2, 3}, .wind_gradient = 0.2 * Eigen::Matrix3d::Identity()};
-
-void take_away(unsigned i, Model& model, Motion& motion) {
-  switch (effect(i)) {
-    case Effect::leeward_suction:
-      model.law.leeward = {};
-      break;
-    case Effect::friction:
-      model.law.friction = 0.0;
-      break;
-    case Effect::base_suction:
-      model.law.base_suction = 0.0;
-      break;
-    case Effect::recovery:
-      model.law.recovery = 0.0;
-      break;
-    case Effect::shelter:
-      model.law.shelter = 0.0;
-      break;
-    case Effect::curvature:
-      model.law.curvature = 0.0;
-      break;
-    case Effect::pillow:
-      model.pillow = {};
-      break;
-    case Effect::spin:
-      motion.angular_velocity.setZero();
-      break;
-    case Effect::wind_variation:
-      motion.wind_gradient.setZero();
-      break;
-  }
 }
 
 }  // namespace

@@ -1,0 +1,54 @@
+// A square sheet that deforms, in dragcore and in Bullet: new places of all vertices, and from them a force on every face.
+
+#include "compare/peers/peers.hpp"
+#include "dragcore/bench/rows.hpp"
+
+using namespace dragcore;
+
+namespace {
+
+/// A wave runs through the sheet: its places at two instants, in turn.
+struct Waving {
+  explicit Waving(int faces) : sheet(bench::body("sheet-" + std::to_string(faces)).mesh), other(sheet) {
+    for (Eigen::Vector3d& vertex : sheet.vertices) vertex.z() += 0.02 * std::sin(9.0 * vertex.x());
+    for (Eigen::Vector3d& vertex : other.vertices) vertex.z() += 0.02 * std::cos(9.0 * vertex.x());
+  }
+  const TriangleMesh& next() { return ++frame % 2 ? other : sheet; }
+
+  TriangleMesh sheet, other;
+  int frame = 0;
+};
+
+void add_deforming_rows(int faces) {
+  const Motion motion = bench::motion("straight");
+  const auto finish = [=](benchmark::State& state, const Wrench& total) {
+    bench::count(state, faces);
+    state.SetLabel(bench::Hash().add(total).text());
+    if (!(total.force.dot(motion.velocity) < 0.0)) bench::wrong(state, "the force does not hold the sheet back");
+  };
+  bench::add_row("deforming/dragcore/" + std::to_string(faces), [=](benchmark::State& state) {
+    Waving waving(faces);
+    TriangleForces found;
+    for (auto _ : state) found = triangle_forces(Surface(waving.next(), Surface::Sides::two), motion, {}, {});
+    finish(state, {found.force.rowwise().sum(), found.torque.rowwise().sum()});
+  })->Unit(benchmark::kMicrosecond);
+  bench::add_row("deforming/bullet/" + std::to_string(faces), [=](benchmark::State& state) {
+    Waving waving(faces);
+    peers::BulletMesh bullet(waving.sheet);
+    for (auto _ : state) {
+      bullet.move_to(waving.next().vertices);
+      bullet.aerodynamic_forces(motion.velocity);
+    }
+    finish(state, bullet.total());
+  })->Unit(benchmark::kMicrosecond);
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  benchmark::Initialize(&count, words);
+  benchmark::AddCustomContext("instruction_set", "best");
+  for (const int faces : {1058, 10082, 100352}) add_deforming_rows(faces);  // 2 n^2
+  const bool some = benchmark::RunSpecifiedBenchmarks() > 0;
+  return some && !bench::any_wrong ? 0 : 1;
+}
