@@ -102,19 +102,37 @@ std::vector<double> fine_angles(const Sweep& sweep, const std::vector<const Erro
   return angles;
 }
 
-/// Layers of one coefficient against orientation.
-/// @param with_pillow  one line for every pillow form, told apart by dashes; else one per law
-json sweep_panel(const Report& report, const Sweep& sweep, Channel channel, const std::string& title, bool with_pillow, int width,
-                 int height) {
-  const auto rows = rows_of(report.models.front().table, sweep, channel);
-  // Every pose has a C_D: the panels of a sweep share their axis.
-  const std::vector<double> angles = fine_angles(sweep, rows_of(report.models.front().table, sweep, Channel::drag));
-  json lines = json::array(), points = json::array(), literature = json::array();
+/// What the models of a report say along a sweep.
+struct Curves {
+  std::vector<double> angles;                       ///< [deg], the same for all panels of the sweep: every pose has a C_D
+  std::vector<std::vector<Coefficients>> of_model;  ///< at every angle; empty for the pillow per triangle
+};
+
+Curves curves_along(const Report& report, const Sweep& sweep) {
+  Curves curves{fine_angles(sweep, rows_of(report.models.front().table, sweep, Channel::drag)), {}};
   for (const ReportedModel& model : report.models) {
     // The form per triangle depends on the triangulation: a curve of it would be one of the mesh. It has its rows in the tables.
-    if (model.pillow == "triangle" || (!with_pillow && model.pillow != "none")) continue;
-    const auto curve = coefficients_along(sweep, model.choice, angles);
-    for (std::size_t i = 0; i < angles.size(); ++i)
+    curves.of_model.emplace_back();
+    if (model.pillow == "triangle") continue;
+    ModelChoice drawn = model.choice;
+    drawn.model.precision = dragcore::Precision::single;  // nobody sees 1e-6 of a line
+    curves.of_model.back() = coefficients_along(sweep, drawn, curves.angles);
+  }
+  return curves;
+}
+
+/// Layers of one coefficient against orientation.
+/// @param with_pillow  one line for every pillow form, told apart by dashes; else one per law
+json sweep_panel(const Report& report, const Sweep& sweep, const Curves& curves, Channel channel, const std::string& title,
+                 bool with_pillow, int width, int height) {
+  const auto rows = rows_of(report.models.front().table, sweep, channel);
+  const std::vector<double>& angles = curves.angles;
+  json lines = json::array(), points = json::array(), literature = json::array();
+  for (std::size_t m = 0; m < report.models.size(); ++m) {
+    const ReportedModel& model = report.models[m];
+    const std::vector<Coefficients>& curve = curves.of_model[m];
+    if (!with_pillow && model.pillow != "none") continue;
+    for (std::size_t i = 0; i < curve.size(); ++i)
       if (const auto value = curve[i][channel])
         lines.push_back({{"angle", angles[i]}, {"value", *value}, {"series", model.law}, {"pillow", model.pillow}});
   }
@@ -162,12 +180,11 @@ json sweep_panel(const Report& report, const Sweep& sweep, Channel channel, cons
   return {{"width", width}, {"height", height}, {"layer", layers}};
 }
 
-json sweep_figure(const Report& report, const Sweep& sweep) {
+json sweep_figure(const Report& report, const Sweep& sweep, const Curves& curves) {
   json spec = base();
   spec["hconcat"] = json::array();
-  for (const Channel channel : {Channel::drag, sweep.force, sweep.moment}) {
-    spec["hconcat"].push_back(sweep_panel(report, sweep, channel, symbol(channel), channel == sweep.moment, 310, 240));
-  }
+  for (const Channel channel : {Channel::drag, sweep.force, sweep.moment})
+    spec["hconcat"].push_back(sweep_panel(report, sweep, curves, channel, symbol(channel), channel == sweep.moment, 310, 240));
   spec["spacing"] = 64;
   spec["bounds"] = "flush";  // panels of one width and height, whatever their labels
   spec["resolve"] = {{"scale", {{"color", "shared"}}}};
@@ -175,14 +192,14 @@ json sweep_figure(const Report& report, const Sweep& sweep) {
 }
 
 /// C_D of every shape with a curve, for a page that has room for one figure.
-json drag_figure(const Report& report, const std::vector<Sweep>& list) {
+json drag_figure(const Report& report, const std::map<const Sweep*, Curves>& curves, const std::vector<Sweep>& list) {
   json spec = base();
   spec["hconcat"] = json::array();
   for (const Sweep& sweep : list) {
     if (!sweep.curve) continue;
     const std::string body = sweep.title.substr(0, sweep.title.find(" at "));
     const std::string title = "C_D, " + body + (sweep.detail.empty() ? "" : ", " + sweep.detail);
-    spec["hconcat"].push_back(sweep_panel(report, sweep, Channel::drag, title, false, 250, 230));
+    spec["hconcat"].push_back(sweep_panel(report, sweep, curves.at(&sweep), Channel::drag, title, false, 250, 230));
   }
   spec["spacing"] = 50;
   spec["bounds"] = "flush";
@@ -378,9 +395,13 @@ json cost_figure(const Report& report) {
 std::map<std::string, json> figures(const Report& report) {
   const std::vector<Sweep> list = sweeps(report);
   std::map<std::string, json> found;
+  std::map<const Sweep*, Curves> curves;
   for (const Sweep& sweep : list)
-    if (sweep.curve) found["sweep-" + sweep.slug()] = sweep_figure(report, sweep);
-  if (!found.empty()) found["drag_against_orientation"] = drag_figure(report, list);
+    if (sweep.curve) {
+      curves[&sweep] = curves_along(report, sweep);
+      found["sweep-" + sweep.slug()] = sweep_figure(report, sweep, curves.at(&sweep));
+    }
+  if (!found.empty()) found["drag_against_orientation"] = drag_figure(report, curves, list);
   for (auto& [name, spec] : {std::pair{"cost", cost_figure(report)}, std::pair{"face_pressure", face_pressure_figure(report)}})
     if (!spec.is_null()) found[name] = spec;
   return found;
