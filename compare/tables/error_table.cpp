@@ -279,7 +279,7 @@ ErrorTable compare_with(const std::vector<CaseRecord>& records, const Predictor&
   std::erase_if(table.rows, [&](const ErrorRow& row) { return !is_shown(row.case_name); });
   table.totals = totals_of(table.rows);
   table.summaries = summaries_of(table.rows, by);
-  table.published = published_checks(records);
+  table.published = published_checks(cases);
   std::erase_if(table.published, [&](const PublishedCheck& check) { return !is_shown(check.case_name); });
   for (const std::string& name : missing) {
     if (!is_shown(name)) continue;
