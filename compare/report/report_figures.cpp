@@ -342,16 +342,16 @@ json cost_figure(const Report& report) {
                      layer(points, {{"type", "point"}, {"size", 45}, {"strokeWidth", 1.6}, {"opacity", 1}},
                            {{"x", own_x}, {"y", y}, {"color", colour}, {"tooltip", hint}})});
     if (main) {
-      // Names beside their points: to the right of what is cheap, to the left of what is dear, and none on top of the last.
-      json names = json::array(), dear = json::array();
-      double named = 2.0 * highest;
-      for (const Rung* rung : front) {
-        if (rung->errors.relative > 0.93 * named) continue;
-        named = rung->errors.relative;
-        (rung->kind == "CFD" ? dear : names).push_back(point(*rung));
-      }
-      for (const auto& [values, align, dx] : {std::tuple(names, "left", 6), std::tuple(dear, "right", -6)})
-        layers.push_back(layer(values, {{"type", "text"}, {"align", align}, {"dx", dx}, {"dy", -6}, {"fontSize", 10.5}},
+      // Names beside their points, none on top of another of the front: to the right of what is cheap, to the left of what is dear.
+      std::vector<const Rung*> named;
+      for (const Rung* rung : front)
+        if (named.empty() || rung->errors.relative < 0.85 * named.back()->errors.relative) named.push_back(rung);
+      for (const Rung& rung : ladder.rungs)
+        if (rung.kind == "engine" || rung.name == "note" || rung.name == "k_omega_sst_ddes, medium") named.push_back(&rung);
+      json cheap = json::array(), dear = json::array();
+      for (const Rung* rung : named) (rung->kind == "CFD" ? dear : cheap).push_back(point(*rung));
+      for (const auto& [values, align, dx, dy] : {std::tuple(cheap, "left", 6, -6), std::tuple(dear, "right", -6, 10)})
+        layers.push_back(layer(values, {{"type", "text"}, {"align", align}, {"dx", dx}, {"dy", dy}, {"fontSize", 10.5}},
                                {{"x", own_x}, {"y", y}, {"text", {{"field", "rung"}}}}));
     }
     spec["hconcat"].push_back({{"width", panel.width}, {"height", 320}, {"layer", layers}});

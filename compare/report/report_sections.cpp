@@ -576,7 +576,10 @@ std::string html_of(const CostTable& shown) {
   Table table{.id = shown.id, .caption = escape(shown.caption)};
   for (std::size_t i = 0; i < shown.grid.rows.size(); ++i) {
     std::vector<Cell> cells;
-    for (std::size_t k = 0; k < shown.grid.rows[i].size(); ++k) cells.push_back({escape(shown.grid.rows[i][k]), k == 0 ? "text" : ""});
+    for (std::size_t k = 0; k < shown.grid.rows[i].size(); ++k) {
+      const std::string& cell = shown.grid.rows[i][k];
+      cells.push_back({i == 0 && cell.starts_with("C_") ? html::symbol(cell) : escape(cell), k == 0 ? "text" : ""});
+    }
     (i == 0 ? table.head : table.rows).push_back(cells);
   }
   return table.text();
