@@ -183,3 +183,43 @@ TEST_CASE("every usable case of CFD has its CPU time, and the finest mesh its na
     if (row.finest) CHECK_THAT(row.total_s, WithinAbs(42.5, 1e-12));  // 2.5 s of meshing
   }
 }
+
+TEST_CASE("bodies that spin tell the orders of quadrature apart: six points are their own measure, one is furthest off",
+          "[compare][cost]") {
+  ModelChoice six = ModelChoice::recommended();
+  six.model.quadrature = dragcore::Quadrature::six;
+  std::vector<CaseRecord> spinning = {sample::spinning("cube_spin-z", dragcore::Box{}, {0, 0, 1}, 0.0, 1e5),
+                                      sample::spinning("plate_spin-y", dragcore::Plate{}, {0, 1, 0}, 0.0, 1e5)};
+  for (CaseRecord& record : spinning) record.load.moment_pressure = predict(record, six).total().torque;
+  CaseRecord slow = spinning.front();
+  slow.reynolds = 100.0;  // laminar friction is no business of these laws
+  spinning.push_back(slow);
+  const Ladder ladder = measure_ladder(campaign(six), {.spinning = spinning, .quick = true});
+  REQUIRE(ladder.spin.size() == 4);
+  const SpinStep &one = ladder.spin[0], &three = ladder.spin[1], &all = ladder.spin[2], &adaptive = ladder.spin[3];
+  CHECK(all.cases == 2);
+  CHECK(all.rule_error == 0.0);
+  CHECK(all.cfd_error < 1e-12);  // rounding: the references were made so
+  CHECK(one.rule_error > 0.02);
+  CHECK(three.rule_error < 0.2 * one.rule_error);
+  CHECK(adaptive.rule_error < 0.2 * one.rule_error);
+}
+
+TEST_CASE("what an early stop leaves and saves is read off the drift of the references and off a study", "[compare][cost]") {
+  std::vector<CaseRecord> records = campaign(ModelChoice::recommended());
+  for (CaseRecord& record : records) {
+    record.u_iteration.setZero();
+    record.u_iteration[0] = 0.01 * record.load.force().norm();
+  }
+  CaseRecord longer = records[4];
+  longer.name += "_iterations-800";
+  longer.load.force_pressure.x() *= 1.002;
+  longer.cost = {{"solve", {46.5, 46.5}}};  // the usual: 2.5 of meshing and 13.0 of solving
+  const Ladder ladder = measure_ladder(records, {.studies = {records[4], longer}, .quick = true});
+  CHECK(ladder.stopping.poses == 12);
+  CHECK_THAT(ladder.stopping.left, WithinRel(0.01, 1e-9));
+  REQUIRE(ladder.stopping.longer_cost_high);
+  CHECK_THAT(*ladder.stopping.longer_cost_high, WithinRel(3.0, 1e-9));
+  CHECK_THAT(ladder.stopping.longer_change, WithinRel(0.002, 1e-6));
+  CHECK_THAT(cost_tables(ladder).front().caption, Contains("drift of 1.0 %") && Contains("3.0 to 3.0 times as much"));
+}
