@@ -247,27 +247,19 @@ std::string stopping_text(const Stopping& stop) {
 std::vector<CostTable> cost_tables(const Ladder& ladder) {
   std::vector<CostTable> tables;
   if (ladder.rungs.empty()) return tables;
-  tables.push_back(
-      {"front-table",
-       "The next halving of the error: rungs that nothing cheaper is as near as. Rms errors; what each costs, over the one before; "
-       "and what half the error would cost at that pace. n: segments of a quarter turn; 32 where nothing is said." +
-           stopping_text(ladder.stopping),
-       front_grid(ladder, pareto_front(ladder.rungs))});
+  tables.push_back({"front-table", "The next halving of the error: rms errors and prices of the rungs that nothing cheaper is as near as",
+                    front_grid(ladder, pareto_front(ladder.rungs)),
+                    "n: segments of a quarter turn of round bodies, 32 where nothing is said." + stopping_text(ladder.stopping)});
   if (ladder.rung(best_law) && !ladder.ablation.empty())
-    tables.push_back({"ablation-table",
-                      "Each effect of the best law taken away, the others as they were fitted with it: error added, time saved.",
-                      ablation_grid(ladder)});
-  if (!ladder.meshes.empty())
     tables.push_back(
-        {"triangles-table",
-         "How many triangles are enough: drag along the axis by the law of the class. Within 1 and 0.1 % of the finest from: " +
-             enough_triangles(ladder) + " triangles.",
-         mesh_grid(ladder)});
+        {"ablation-table", "Each effect of the best law taken away, the others as they were fitted with it", ablation_grid(ladder)});
+  if (!ladder.meshes.empty())
+    tables.push_back({"triangles-table", "How many triangles are enough: drag along the axis, law of the class", mesh_grid(ladder),
+                      "Within 1 and 0.1 % of the finest from: " + enough_triangles(ladder) + " triangles."});
   if (!ladder.spin.empty())
-    tables.push_back({"spin-cost-table",
-                      "Points per triangle of bodies that spin: error of the rule against six points, and of the torque against OpenFOAM.",
+    tables.push_back({"spin-cost-table", "Points per triangle of bodies that spin: rms error against six points, and of OpenFOAM's torque",
                       spin_grid(ladder)});
-  if (!ladder.steps.empty()) tables.push_back({"step-table", "A step of a body that spins, best law.", step_grid(ladder)});
+  if (!ladder.steps.empty()) tables.push_back({"step-table", "A step of a body that spins, best law", step_grid(ladder)});
   return tables;
 }
 
@@ -276,7 +268,7 @@ CostTable all_rungs(const Ladder& ladder) {
   for (const Rung& rung : ladder.rungs) sorted.push_back(&rung);
   std::stable_sort(sorted.begin(), sorted.end(), [](const Rung* a, const Rung* b) { return a->seconds < b->seconds; });
   const std::vector<const Rung*> front = pareto_front(ladder.rungs);
-  CostTable table{"rungs-table", "All rungs in order of cost; * nothing cheaper is as near.", {}};
+  CostTable table{"rungs-table", "All rungs in order of cost; * nothing cheaper is as near", {}};
   auto head = heading("rung");
   head.insert(head.end(), {"poses", "kind"});
   table.grid.add(head);

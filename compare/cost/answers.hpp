@@ -50,6 +50,7 @@ std::string answer(const Ladder& ladder, const TargetAnswer& found);
 struct CostTable {
   std::string id, caption;
   TextGrid grid;
+  std::string note = {};  ///< below it
 };
 /// Front, ablation, triangles, spin, step; those that have rows.
 std::vector<CostTable> cost_tables(const Ladder& ladder);

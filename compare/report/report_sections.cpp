@@ -573,7 +573,7 @@ double median(std::vector<double> values) {
 
 /// A table for a terminal as one for the page.
 std::string html_of(const CostTable& shown) {
-  Table table{.id = shown.id, .caption = escape(shown.caption)};
+  Table table{.id = shown.id, .caption = escape(shown.caption + "." + (shown.note.empty() ? "" : " " + shown.note))};
   for (std::size_t i = 0; i < shown.grid.rows.size(); ++i) {
     std::vector<Cell> cells;
     for (std::size_t k = 0; k < shown.grid.rows[i].size(); ++k) {

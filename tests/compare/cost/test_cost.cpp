@@ -221,5 +221,5 @@ TEST_CASE("what an early stop leaves and saves is read off the drift of the refe
   REQUIRE(ladder.stopping.longer_cost_high);
   CHECK_THAT(*ladder.stopping.longer_cost_high, WithinRel(3.0, 1e-9));
   CHECK_THAT(ladder.stopping.longer_change, WithinRel(0.002, 1e-6));
-  CHECK_THAT(cost_tables(ladder).front().caption, Contains("drift of 1.0 %") && Contains("3.0 to 3.0 times as much"));
+  CHECK_THAT(cost_tables(ladder).front().note, Contains("drift of 1.0 %") && Contains("3.0 to 3.0 times as much"));
 }
