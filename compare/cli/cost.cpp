@@ -122,6 +122,7 @@ void add_cost(CLI::App& app, Context& context) {
   command->add_option("--target", options->target, "Which law, mesh or CFD level has an rms error of at most this, in % of the force");
   command->add_option("--body", options->body, "Only the bodies whose name holds this: cone, say");
   command->add_option("--studies", options->studies, "Studies of the numerics: what a later stop of the solver costs")
+      ->check(CLI::ExistingFile)
       ->capture_default_str();
   command->add_flag("--quick", options->quick, "Fewer repetitions and meshes");
   CLI::Option* fit_option =
