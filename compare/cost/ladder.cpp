@@ -4,9 +4,15 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
+#ifdef DRAGCORE_THREADS
+#include <tbb/task_arena.h>
+#endif
+
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <ctime>
+#include <dragcore/batch.hpp>
 #include <dragcore/stepping.hpp>
 #include <functional>
 #include <limits>
@@ -98,12 +104,14 @@ double cpu_now() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// CPU seconds of a call: the best of several batches, each long enough for the clock. What else the machine does only ever adds.
-double seconds_of(const std::function<void()>& call, bool quick) {
+double wall_now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+/// Seconds of a call: the best of several batches, each long enough for the clock. What else the machine does only ever adds.
+double seconds_of(const std::function<void()>& call, bool quick, double (*now)() = cpu_now) {
   const auto batch_of = [&](int calls) {
-    const double start = cpu_now();
+    const double start = now();
     for (int i = 0; i < calls; ++i) call();
-    return (cpu_now() - start) / calls;
+    return (now() - start) / calls;
   };
   const double first = std::max(batch_of(1), 1e-9);
   const int calls = std::clamp(static_cast<int>((quick ? 2e-4 : 2e-3) / first), 1, 100000);
@@ -112,11 +120,22 @@ double seconds_of(const std::function<void()>& call, bool quick) {
   return best;
 }
 
+/// The work on so many threads, where the library has any.
+std::function<void()> on_threads([[maybe_unused]] int threads, const std::function<void()>& work) {
+#ifdef DRAGCORE_THREADS
+  return [arena = std::make_shared<tbb::task_arena>(threads), work] { arena->execute(work); };
+#else
+  return work;
+#endif
+}
+
 /// A way to answer, ready at every place: force and torque in the body frame.
 struct Candidate {
   std::string name, kind;
   std::vector<std::function<dragcore::Wrench()>> answers = {};
-  double triangles = 0.0;  ///< sum over the places
+  double triangles = 0.0;               ///< sum over the places
+  std::function<void()> together = {};  ///< where it answers all places at once: what is timed
+  int times = 1;                        ///< how often that answers each
 };
 
 class Measurement {
@@ -140,6 +159,7 @@ class Measurement {
     constants();
     engines();
     laws();
+    batch();
     ablation();
     meshes();
     steps();
@@ -159,11 +179,10 @@ class Measurement {
       load << place.to_wind * wrench.force, place.to_wind * wrench.torque;
       errors.add(place, load.cwiseQuotient(place.scales) - place.truth);
     }
-    const double sweep = seconds_of(
-        [&] {
-          for (const auto& answer : candidate.answers) answer();
-        },
-        options_.quick);
+    const auto one_by_one = [&] {
+      for (const auto& answer : candidate.answers) answer();
+    };
+    const double sweep = seconds_of(candidate.together ? candidate.together : one_by_one, options_.quick) / candidate.times;
     const auto n = static_cast<double>(places_.size());
     return {candidate.name, candidate.kind, candidate.triangles / n, sweep / n, errors.rms(), errors.n()};
   }
@@ -249,6 +268,38 @@ class Measurement {
     add(law(fmt::format("{}, in double", best_law), ModelChoice::recommended()));
     for (const int most : options_.quick ? std::vector{1} : std::vector{1, 2, 4, 8, 16})
       add(law(fmt::format("{}, n = {}", best_law, most), best, most));
+  }
+
+  /// Bodies of a shape side by side, one a lane; by the clock on one thread and on two.
+  void batch() {
+    constexpr int copies = 16, most = 4;
+    Candidate candidate{fmt::format("{}, n = {}, in a batch", best_law, most), "law"};
+    const double density = places_.front().record->density;  // one air for all
+    std::vector<dragcore::Model> models;
+    models.reserve(places_.size());
+    std::vector<dragcore::BodyInFlow> bodies;
+    for (const Place& place : places_) {
+      const dragcore::Surface& surface = prepared_surface(place.record->shape, divisions(place, most));
+      candidate.triangles += static_cast<double>(surface.size());
+      models.push_back(single(ModelChoice::recommended()).on(surface));
+      bodies.insert(bodies.end(), copies, {&surface, &models.back(), place.motion});
+    }
+    std::vector<dragcore::Wrench> results(bodies.size());
+    const auto all = [&] { wrenches(bodies, {density}, results); };
+    all();
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      const double share = places_[i].record->density / density;
+      const dragcore::Wrench& found = results[copies * i];
+      candidate.answers.emplace_back([wrench = dragcore::Wrench{share * found.force, share * found.torque}] { return wrench; });
+    }
+    candidate.times = copies;
+    candidate.together = on_threads(1, all);
+    add(candidate);
+    const auto n = static_cast<double>(places_.size());
+    for (const int threads : {1, 2})
+      ladder_.steps.push_back(
+          {fmt::format("wrench in a batch of {:.0f}, {} thread{}, by the clock", copies * n, threads, threads > 1 ? "s" : ""), "all",
+           candidate.triangles / n, seconds_of(on_threads(threads, all), options_.quick, wall_now) / (copies * n)});
   }
 
   /// A law that was fitted whole is worse off without a part than one fitted without it: what is found is what the part does here.

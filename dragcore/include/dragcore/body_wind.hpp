@@ -21,14 +21,16 @@ class BodyWind {
   ///   constant:      the velocity at the reference point
   ///   affine:        velocity and gradient at the surface's centre, as a field about the reference point
   ///   per_triangle:  the velocity at the centroid of every triangle
+  /// @param precision  of per_triangle, as Wind::velocities() has it; the others are always in double precision, and so is everything about
+  ///                   the body
   /// @param reference_point  of the motion it is meant for, body frame [m]
   /// @throws std::invalid_argument  if the rotation is none or anything is not finite
   BodyWind(const Wind& wind, const Surface& surface, const BodyPlacement& place, const Eigen::Vector3d& reference_point,
-           WindSampling sampling);
+           WindSampling sampling, Precision precision = Precision::single);
 
   /// The same with the cheapest sampling whose error bound is within `tolerance` [m/s]: choose_sampling().
   static BodyWind within(const Wind& wind, const Surface& surface, const BodyPlacement& place, const Eigen::Vector3d& reference_point,
-                         double tolerance);
+                         double tolerance, Precision precision = Precision::single);
 
   WindSampling sampling() const { return sampling_; }
 

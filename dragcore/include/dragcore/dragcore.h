@@ -188,6 +188,29 @@ dragcore_status dragcore_wind_excess(const dragcore_wrench* wrench, const double
 dragcore_status dragcore_impulse_share(const dragcore_wrench* wrench, const dragcore_body* body, const dragcore_motion* motion, double dt,
                                        double* share);
 
+/* Many bodies at once: wrenches() and step_free_bodies() of dragcore/batch.hpp. Sixteen of one small shape cost little more than one, so
+ * bodies had better share their surface and model. `results` and `velocities` (velocity, then angular velocity, of each) have room for all.
+ */
+typedef struct dragcore_body_in_flow {
+  const dragcore_surface* surface;
+  const dragcore_model* model;
+  dragcore_motion motion;
+} dragcore_body_in_flow;
+
+dragcore_status dragcore_evaluate_many(const dragcore_body_in_flow* bodies, size_t count, double density, dragcore_wrench* results);
+
+typedef struct dragcore_free_body {
+  const dragcore_surface* surface;
+  const dragcore_model* model;
+  const dragcore_body* body;
+  dragcore_motion motion;
+  dragcore_wrench external; /* what else acts, body frame */
+} dragcore_free_body;
+
+/* What dragcore_gyroscopic_spin(), dragcore_resistance() and dragcore_step_secant_implicit() do one after the other, with what
+ * dragcore_wind_excess() says. */
+dragcore_status dragcore_step_free_bodies(const dragcore_free_body* bodies, size_t count, double density, double dt, double* velocities);
+
 /* Wind fields of the world: the sum of any number of sources. What a dragcore_wind* is used for may run on many threads at once, but not
  * beside a function that changes it. Velocities are those of the undisturbed air. */
 dragcore_status dragcore_wind_create(dragcore_wind** wind); /* still air; to be given to dragcore_wind_destroy() */

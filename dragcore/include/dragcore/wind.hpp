@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <dragcore/drag.hpp>
 #include <limits>
 #include <memory>
 #include <span>
@@ -38,6 +39,9 @@ struct Grid {
   Outside outside = Outside::zero;
 };
 
+struct PackedGrid;
+struct PlacedGrid;
+
 /// Trilinear interpolation of a grid: continuous inside, its gradient jumps at the planes of grid points (there the cell above is taken).
 /// Points on the box's surface are inside. A point that is not a number gives a velocity that is not a number.
 ///
@@ -50,6 +54,9 @@ class GridField {
   explicit GridField(Grid grid);
 
   const Grid& grid() const { return grid_; }
+  const Eigen::Array3d& cells_per_metre() const { return cells_per_metre_; }
+  /// What Wind samples in Precision::single: 16 bytes a point beside the 24 of the grid. Null where the library is built without kernels.
+  const std::shared_ptr<const PackedGrid>& packed() const { return packed_; }
   Eigen::Vector3d velocity(const Eigen::Vector3d& point) const;
   WindSample sample(const Eigen::Vector3d& point) const;  ///< the gradient is the exact derivative of the interpolant
 
@@ -60,6 +67,7 @@ class GridField {
  private:
   Grid grid_;
   Eigen::Array3d cells_per_metre_;
+  std::shared_ptr<const PackedGrid> packed_;
 };
 
 /// The same velocity everywhere.
@@ -130,10 +138,17 @@ class Wind {
   Eigen::Vector3d velocity(const Eigen::Vector3d& point) const;
   WindSample sample(const Eigen::Vector3d& point) const;
 
-  /// Many points, 3 x n, one column each: sources whose bounding box misses the points' box are left out first. Same bits as point by
-  /// point.
-  Eigen::Matrix3Xd velocities(const Eigen::Ref<const Eigen::Matrix3Xd>& points) const;
-  std::vector<WindSample> samples(const Eigen::Ref<const Eigen::Matrix3Xd>& points) const;
+  /// Many points, 3 x n, one column each: sources whose bounding box misses the points' box are left out first. A point's velocity does
+  /// not depend on the points beside it, so that any split of a batch gives the same bits.
+  /// @param precision  `full`: the bits of velocity() point by point. `single`: grids are located in double and interpolated in
+  ///                   single precision, 16 points at once, and turbulence has 8 points at once in double precision, where the library was
+  ///                   built with its kernels (DRAGCORE_SIMD); all else as in `full`
+  /// @accuracy  `single`: 1e-6 of the largest value (times intensity) of each grid at the point, wherever in the world
+  ///            it lies (tests/dragcore/wind/test_grid_kernel.cpp); turbulence as Turbulence::velocities()
+  Eigen::Matrix3Xd velocities(const Eigen::Ref<const Eigen::Matrix3Xd>& points, Precision precision = Precision::full) const;
+  /// The same with gradients; turbulence is sampled point by point.
+  /// @accuracy  `single`: gradients 1e-6 of the largest value over the smallest size of a cell
+  std::vector<WindSample> samples(const Eigen::Ref<const Eigen::Matrix3Xd>& points, Precision precision = Precision::full) const;
 
   /// Error bounds inside the ball about `centre` [m], for triangles that reach at most `triangle_radius` from the point where each is
   /// sampled.
@@ -152,12 +167,16 @@ class Wind {
     Eigen::Array3d inverse_scale;
     double intensity, fade_radius;
     Eigen::AlignedBox3d box;  ///< encloses where the field is not zero
+    bool packed = false;      ///< it is one of `grids_`
   };
 
   template <bool with_gradient>
   void add(const Placed& source, const Eigen::Vector3d& point, WindSample& sum) const;
+  void add_turbulence(const Placed& source, const Turbulence& turbulence, const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                      Eigen::Matrix3Xd& sum) const;
 
   std::vector<Placed> sources_;
+  std::shared_ptr<const std::vector<PlacedGrid>> grids_;  ///< those sources that kernels sample; null where there are none
   double time_;
 };
 

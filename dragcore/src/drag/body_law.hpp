@@ -35,7 +35,8 @@ class BodyLaw {
     if (active.has<Effect::shelter>()) {
       instrument::count(Effect::shelter);
       sharpness_ = body.sharpness;
-      shelter_ = directed * law.shelter * std::pow(body.sharpness, 4);
+      const double square = body.sharpness * body.sharpness;
+      shelter_ = directed * law.shelter * square * square;
     }
   }
 

@@ -48,7 +48,7 @@ class Silhouette {
 
 }  // namespace
 
-Descriptors descriptors_of(const SilhouetteSums& sums, const Part& part, const Vector3d& direction) {
+Descriptors descriptors_of(const SilhouetteSums& sums, const Part& part) {
   Descriptors result;
   if (!(sums.frontal > 0.0)) {
     if (sums.whole > 0.0) result.reached = 0.0;
@@ -59,6 +59,12 @@ Descriptors descriptors_of(const SilhouetteSums& sums, const Part& part, const V
   // Finite even where a body a hair thick is seen edge-on; a sheet has none there either.
   if (part.volume > 0.0) result.depth = std::min(1e100, part.volume / (sums.frontal * std::sqrt(sums.frontal)));
   result.sharpness = std::min(1.0, std::sqrt(std::sqrt(sums.sharp / sums.frontal)));
+  return result;
+}
+
+Descriptors descriptors_of(const SilhouetteSums& sums, const Part& part, const Vector3d& direction) {
+  Descriptors result = descriptors_of(sums, part);
+  if (!(sums.frontal > 0.0)) return result;
   Eigen::Matrix<double, 2, 3> project;
   project.row(0) = direction.unitOrthogonal().transpose();
   project.row(1) = direction.cross(Vector3d(project.row(0).transpose())).transpose();

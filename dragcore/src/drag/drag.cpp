@@ -7,28 +7,29 @@
 #include "drag/check.hpp"
 #include "drag/energy_balance.hpp"
 #include "drag/fast_wrench.hpp"
+#include "drag/folded_model.hpp"
 #include "support/require.hpp"
 
 namespace dragcore {
 
 using Eigen::Vector3d;
 
-void check_input(const Motion& motion, const Medium& medium, const Model& model) {
-  if (!model.check) return;
-  const auto usable = [](const Vector3d& v, const char* name) {
-    // Beyond 1e100 the square of the speed, times a density and an area of any size, leaves the range of numbers; sound is at 340 m/s.
-    require(
-        v.allFinite() && v.cwiseAbs().maxCoeff() <= 1e100, [name] { return std::string("wrench: motion.") + name; }, v,
-        "it must be finite, and below 1e100");
-  };
-  usable(motion.wind, "wind");
-  usable(motion.velocity, "velocity");
-  usable(motion.angular_velocity, "angular_velocity");
-  usable(motion.reference_point, "reference_point");
-  for (Eigen::Index j = 0; j < 3; ++j) usable(motion.wind_gradient.col(j), "wind_gradient column");
-  for (const Vector3d& wind : motion.triangle_wind) usable(wind, "triangle_wind entry");
-  require(medium.density >= 0.0 && medium.density < 1e100, "wrench: density", medium.density,
-          "it must be finite and not negative [kg/m^3]");
+namespace {
+
+/// Beyond 1e100 the square of a speed, times a density and an area of any size, leaves the range of numbers; sound is at 340 m/s.
+template <class Numbers>
+bool usable(const Numbers& numbers) {
+  return (numbers.array().abs() <= 1e100).all();
+}
+
+void check(const Vector3d& v, const char* name) {
+  require(
+      usable(v), [name] { return std::string("wrench: motion.") + name; }, v, "it must be finite, and below 1e100");
+}
+
+}  // namespace
+
+void check_model(const Model& model) {
   const auto check_pillow = [](const Pillow& pillow) {
     const double largest = pillow.form == PillowForm::tilt ? 1.5 : 1.0;  // beyond, the tilt falloff would be negative on half the face
     require(pillow.factor >= 0.0 && pillow.factor <= largest, "wrench: pillow factor", pillow.factor,
@@ -42,6 +43,25 @@ void check_input(const Motion& motion, const Medium& medium, const Model& model)
   if (!model.sheets) return;
   check_pillow(model.sheets->pillow);
   validate(model.sheets->law);
+}
+
+void check_input(const Motion& motion, const Medium& medium, const Model& model) {
+  if (!model.check) return;
+  // At first all at once; one by one to say which is wrong.
+  const double size = motion.wind.cwiseAbs().sum() + motion.velocity.cwiseAbs().sum() + motion.angular_velocity.cwiseAbs().sum() +
+                      motion.reference_point.cwiseAbs().sum() + motion.wind_gradient.cwiseAbs().sum() + std::abs(medium.density);
+  if (!(size < 1e100 && medium.density >= 0.0)) {
+    check(motion.wind, "wind");
+    check(motion.velocity, "velocity");
+    check(motion.angular_velocity, "angular_velocity");
+    check(motion.reference_point, "reference_point");
+    if (!usable(motion.wind_gradient))
+      for (Eigen::Index j = 0; j < 3; ++j) check(motion.wind_gradient.col(j), "wind_gradient column");
+    require(medium.density >= 0.0 && medium.density < 1e100, "wrench: density", medium.density,
+            "it must be finite and not negative [kg/m^3]");
+  }
+  for (const Vector3d& wind : motion.triangle_wind) check(wind, "triangle_wind entry");
+  if (!FoldedModel::of(model).valid) check_model(model);
 }
 
 void check_input(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
@@ -114,13 +134,10 @@ Model model_for(const Surface& surface) {
   return model;
 }
 
-WrenchByTerm wrench(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
-  check_input(surface, motion, medium, model);
-  if (const std::optional<WrenchByTerm> fast = fast_wrench(surface, motion, medium, model)) {
-    const Wrench total = fast->total();
-    check_result(total.force.allFinite() && total.torque.allFinite(), model);
-    return *fast;
-  }
+namespace {
+
+/// In double precision, triangle by triangle.
+WrenchByTerm full_wrench(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
   WrenchByTerm taken, given;
   EnergyBalance balance;
   for_each_local_force(surface, motion, medium, model, [&](const LocalForce& local) {
@@ -132,6 +149,15 @@ WrenchByTerm wrench(const Surface& surface, const Motion& motion, const Medium& 
     const double share = balance.gain_share();
     for (std::size_t k = 0; k < taken.terms.size(); ++k) taken.terms[k] += {share * given.terms[k].force, share * given.terms[k].torque};
   }
+  return taken;
+}
+
+}  // namespace
+
+WrenchByTerm wrench(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
+  check_input(surface, motion, medium, model);
+  WrenchByTerm taken;
+  if (!fast_wrench(surface, motion, medium, model, taken)) taken = full_wrench(surface, motion, medium, model);
   const Wrench total = taken.total();
   check_result(total.force.allFinite() && total.torque.allFinite(), model);
   return taken;

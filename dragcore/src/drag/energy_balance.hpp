@@ -18,11 +18,14 @@ class EnergyBalance {
   bool has_gain() const { return given_ > 0.0; }
   /// Factor in [0, 1] on everything that gives: 1 - x^8/8 for little of it, never more than largest_gain * taken / given. Smooth.
   double gain_share() const {
-    if (!(given_ > 0.0)) return 1.0;
     const double bound = largest_gain * taken_;
-    const auto eighth = [](double x) { return x * x * x * x * x * x * x * x; };
-    if (given_ <= bound) return std::pow(1.0 + eighth(given_ / bound), -0.125);
-    return bound / given_ * std::pow(1.0 + eighth(bound / given_), -0.125);
+    if (!(given_ > 0.0078125 * bound)) return 1.0;  // to the last bit
+    // (1 + x^8)^(-1/8)
+    const auto held = [](double x) {
+      const double square = x * x, fourth = square * square;
+      return 1.0 / std::sqrt(std::sqrt(std::sqrt(1.0 + fourth * fourth)));
+    };
+    return given_ <= bound ? held(given_ / bound) : bound / given_ * held(bound / given_);
   }
 
  private:

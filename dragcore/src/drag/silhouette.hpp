@@ -13,6 +13,8 @@ struct SilhouetteSums {
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
 };
 
+/// All but the aspect ratio.
+Descriptors descriptors_of(const SilhouetteSums& sums, const Part& part);
 /// @param direction  of the flow, unit
 Descriptors descriptors_of(const SilhouetteSums& sums, const Part& part, const Eigen::Vector3d& direction);
 

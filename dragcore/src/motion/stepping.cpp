@@ -9,6 +9,7 @@
 
 #include "drag/check.hpp"
 #include "drag/energy_balance.hpp"
+#include "drag/secant.hpp"
 #include "support/cross_matrix.hpp"
 
 namespace dragcore {
@@ -78,23 +79,22 @@ Eigen::Vector3d gyroscopic_spin(const MassProperties& body, const Eigen::Vector3
   return spin;
 }
 
-Matrix6d resistance(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
-  check_input(surface, motion, medium, model);
-  Matrix6d s = Matrix6d::Zero();
-  Vector6d taken = Vector6d::Zero(), given = Vector6d::Zero();
-  EnergyBalance balance;
-  const auto add = [&s](const LocalForce& local, const Eigen::Vector3d& direction, double factor) {
-    s.selfadjointView<Eigen::Lower>().rankUpdate(generalised(direction, local.place.cross(direction)), factor);
+namespace {
+
+/// In double precision, triangle by triangle.
+Secant full_secant(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
+  Secant secant;
+  const auto add = [&](const LocalForce& local, const Eigen::Vector3d& direction, double factor) {
+    secant.taken.selfadjointView<Eigen::Lower>().rankUpdate(generalised(direction, local.place.cross(direction)), factor);
   };
   for_each_local_force(
       surface, motion, medium, model,
       [&](const LocalForce& local) {
-        balance.add(local);
         if (local.coefficient.value < 0.0) {
-          given += generalised_force(local);
+          secant.given += generalised_force(local);
+          secant.given_power += std::abs(local.force().dot(local.u));
           return;
         }
-        taken += generalised_force(local);
         const double factor = local.half_rho_area * local.speed * local.coefficient.value;
         if (local.is_friction()) {  // factor * (tangential projector) * u
           const Eigen::Vector3d tangent = local.normal.unitOrthogonal();
@@ -105,17 +105,29 @@ Matrix6d resistance(const Surface& surface, const Motion& motion, const Medium& 
         }
       },
       feels_spin(model));
-  s.triangularView<Eigen::StrictlyUpper>() = s.transpose();
+  secant.taken.triangularView<Eigen::StrictlyUpper>() = secant.taken.transpose();
+  return secant;
+}
+
+}  // namespace
+
+Matrix6d resistance(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
+  check_input(surface, motion, medium, model);
+  const std::optional<Secant> fast = fast_secant(surface, motion, medium, model);
+  const Secant secant = fast ? *fast : full_secant(surface, motion, medium, model);
+  Matrix6d s = secant.taken;
   const ActiveEffects active(motion, model);
   // In a wind that varies, power against the wind at the reference point may be anything, and S v is not the wrench anyway: wind_excess()
   // has what pushes too.
-  if (balance.has_gain() && !active.has<Effect::wind_variation>()) {
+  if (secant.given_power > 0.0 && !active.has<Effect::wind_variation>()) {
     // What pushes has no secant matrix of its own that is not negative. Broyden's update (BFGS) turns S into the nearest one that is
     // positive and whose product with the relative velocity is the whole wrench: (total . velocity) is its power, which the energy balance
     // keeps positive.
     Vector6d velocity = -relative(motion);
     if (!active.has<Effect::spin>()) velocity.tail<3>().setZero();  // not felt
-    const Vector6d total = taken + balance.gain_share() * given;
+    EnergyBalance balance;
+    balance.add(velocity.dot(s * velocity), secant.given_power);
+    const Vector6d total = s * velocity + balance.gain_share() * secant.given;
     // On a root of S the update is a projection: no rounding error makes the result negative, however many digits cancel near edge-on.
     const auto factors = s.ldlt();
     Matrix6d root = factors.matrixL();

@@ -1,5 +1,4 @@
 #include <Eigen/LU>
-#include <algorithm>
 #include <dragcore/body_wind.hpp>
 
 #include "support/require.hpp"
@@ -23,7 +22,7 @@ void validate(const BodyPlacement& place, const Vector3d& reference_point) {
 }  // namespace
 
 BodyWind::BodyWind(const Wind& wind, const Surface& surface, const BodyPlacement& place, const Vector3d& reference_point,
-                   WindSampling sampling)
+                   WindSampling sampling, Precision precision)
     : sampling_(sampling) {
   validate(place, reference_point);
   const Matrix3d to_body = place.rotation.transpose();
@@ -39,32 +38,33 @@ BodyWind::BodyWind(const Wind& wind, const Surface& surface, const BodyPlacement
       break;
     }
     case WindSampling::per_triangle: {
-      const Eigen::Matrix3Xd points = (place.rotation * surface.centroid.matrix().transpose()).colwise() + place.position;
-      const Eigen::Matrix3Xd velocities = to_body * wind.velocities(points);
-      per_triangle_.assign(velocities.colwise().begin(), velocities.colwise().end());
-      velocity_ = to_body * wind.velocity(in_world(reference_point));
+      // The reference point comes last. Lazy: products of so small a matrix are cheapest written out.
+      const Eigen::Index triangles = surface.size();
+      Eigen::Matrix3Xd points(3, triangles + 1);
+      points.leftCols(triangles) = place.rotation.lazyProduct(surface.centroid.matrix().transpose()).colwise() + place.position;
+      points.col(triangles) = in_world(reference_point);
+      const Eigen::Matrix3Xd velocities = wind.velocities(points, precision);
+      per_triangle_.reserve(static_cast<std::size_t>(triangles));
+      for (const auto& velocity : velocities.leftCols(triangles).colwise()) per_triangle_.emplace_back(to_body * velocity);
+      velocity_ = to_body * velocities.col(triangles);
       break;
     }
   }
 }
 
 BodyWind BodyWind::within(const Wind& wind, const Surface& surface, const BodyPlacement& place, const Vector3d& reference_point,
-                          double tolerance) {
+                          double tolerance, Precision precision) {
   validate(place, reference_point);
   require(tolerance >= 0.0, "body wind: tolerance", tolerance, "it must be at least 0 [m/s]");
-  double triangle_radius = 0.0;
-  for (Eigen::Index i = 0; i < surface.size(); ++i) {
-    const Vector3d ab = surface.edge_ab.row(i).matrix(), ac = surface.edge_ac.row(i).matrix();
-    triangle_radius = std::max({triangle_radius, (ab + ac).norm() / 3.0, (2.0 * ab - ac).norm() / 3.0, (2.0 * ac - ab).norm() / 3.0});
-  }
-  const WindVariation variation = wind.variation(place.rotation * surface.centre + place.position, surface.radius, triangle_radius);
+  const WindVariation variation = wind.variation(place.rotation * surface.centre + place.position, surface.radius);
   // `constant` is sampled at the reference point, which may lie off the ball's centre: both are within the ball, so twice the bound.
   const bool uniform = 2.0 * variation.constant <= tolerance && (reference_point - surface.centre).norm() <= surface.radius;
   const WindSampling chosen = choose_sampling(variation, tolerance);
   return BodyWind(wind, surface, place, reference_point,
                   uniform                            ? WindSampling::constant
                   : chosen == WindSampling::constant ? WindSampling::affine
-                                                     : chosen);
+                                                     : chosen,
+                  precision);
 }
 
 void BodyWind::apply_to(Motion& motion) const& {

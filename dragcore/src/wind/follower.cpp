@@ -1,8 +1,10 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <dragcore/follower.hpp>
+#include <string>
 
 #include "support/require.hpp"
+#include "wind/batch_kernels.hpp"
 
 namespace dragcore {
 
@@ -11,7 +13,9 @@ using Eigen::Vector3d;
 
 void validate(const Follower& follower) {
   const auto positive = [](const char* name, double value) {
-    require(value > 0.0 && std::isfinite(value), std::string("follower: ") + name, value, "it must be greater than 0 and finite");
+    require(
+        value > 0.0 && std::isfinite(value), [name] { return std::string("follower: ") + name; }, value,
+        "it must be greater than 0 and finite");
   };
   require_finite("follower: gain", follower.gain);
   require(follower.mass >= 0.0 && std::isfinite(follower.mass), "follower: mass", follower.mass, "it must be finite and not negative");
@@ -26,6 +30,20 @@ void validate(const Follower& follower) {
 }
 
 namespace {
+
+/// @param which  makes the beginning of a message
+template <class Which>
+void validate_state(const Which& which, const FollowerState& state, const Vector3d& wind) {
+  const auto name = [&which](const char* what) { return [&which, what] { return which() + what; }; };
+  require_finite(name("wind"), wind);
+  require_finite(name("position"), state.position);
+  require_finite(name("velocity"), state.velocity);
+  require(state.rotation.allFinite() && (state.rotation.transpose() * state.rotation - Matrix3d::Identity()).norm() < 1e-6 &&
+              state.rotation.determinant() > 0.0,
+          name("determinant of the rotation"), state.rotation.determinant(), "its columns must be orthonormal and right-handed");
+}
+
+void validate_duration(double dt) { require(dt >= 0.0 && std::isfinite(dt), "follower: dt", dt, "it must be finite and not negative"); }
 
 /// exp(-dt / tau), with tau = 0 the limit of no lag at all.
 double remaining(double dt, double tau) { return tau > 0.0 ? std::exp(-dt / tau) : 0.0; }
@@ -76,18 +94,27 @@ void turn(const Follower& follower, FollowerState& state, const Vector3d& wind, 
 
 FollowerState step(const Follower& follower, const FollowerState& state, const Vector3d& wind, double dt) {
   validate(follower);
-  require_finite("follower: wind", wind);
-  require_finite("follower: position", state.position);
-  require_finite("follower: velocity", state.velocity);
-  require(state.rotation.allFinite() && (state.rotation.transpose() * state.rotation - Matrix3d::Identity()).norm() < 1e-6 &&
-              state.rotation.determinant() > 0.0,
-          "follower: determinant of the rotation", state.rotation.determinant(), "its columns must be orthonormal and right-handed");
-  require(dt >= 0.0 && std::isfinite(dt), "follower: dt", dt, "it must be finite and not negative");
+  validate_state([] { return std::string("follower: "); }, state, wind);
+  validate_duration(dt);
   FollowerState next = state;
   if (dt == 0.0) return next;
   move(follower, next, wind, dt);
   turn(follower, next, wind, dt);
   return next;
+}
+
+void step(const Follower& follower, std::span<FollowerState> states, std::span<const Vector3d> winds, double dt) {
+  validate(follower);
+  validate_duration(dt);
+  require(winds.size() == states.size(), "follower: number of winds", winds.size(),
+          [&] { return "there are " + std::to_string(states.size()) + " states"; });
+  for (std::size_t i = first_doubtful_follower(states, winds); i < states.size(); ++i)
+    validate_state([i] { return "follower " + std::to_string(i) + ": "; }, states[i], winds[i]);
+  if (dt == 0.0 || step_by_kernel(follower, states, winds, dt)) return;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    move(follower, states[i], winds[i], dt);
+    turn(follower, states[i], winds[i], dt);
+  }
 }
 
 }  // namespace dragcore

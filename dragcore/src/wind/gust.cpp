@@ -2,8 +2,10 @@
 #include <cmath>
 #include <dragcore/gust.hpp>
 #include <numbers>
+#include <string>
 
 #include "support/require.hpp"
+#include "wind/batch_kernels.hpp"
 
 namespace dragcore {
 
@@ -49,6 +51,18 @@ void validate(const Gust& gust) {
 double gust_factor(const Gust& gust, double time) {
   validate(gust);
   return gust.rest + gust.amplitude * gust_profile(gust.profile, (time - gust.start) / gust.duration, gust.exponent);
+}
+
+void gust_factors(const Gust& gust, std::span<const double> times, std::span<double> factors) {
+  validate(gust);
+  require(factors.size() == times.size(), "gust: number of factors", factors.size(),
+          [&] { return "there are " + std::to_string(times.size()) + " times"; });
+  for (std::size_t i = 0; i < times.size(); ++i)
+    require(
+        !std::isnan(times[i]), [&] { return "gust: time " + std::to_string(i); }, times[i], "it must be a number");
+  if (gust_factors_by_kernel(gust, times, factors)) return;
+  for (std::size_t i = 0; i < times.size(); ++i)
+    factors[i] = gust.rest + gust.amplitude * gust_profile(gust.profile, (times[i] - gust.start) / gust.duration, gust.exponent);
 }
 
 }  // namespace dragcore

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "support/require.hpp"
+#include "wind/batch_kernels.hpp"
 
 namespace dragcore {
 
@@ -114,6 +115,20 @@ WindSample Turbulence::evaluate(const Vector3d& point, double time) const {
 }
 
 Vector3d Turbulence::velocity(const Vector3d& point, double time) const { return evaluate<false>(point, time).velocity; }
+
+Eigen::Matrix3Xd Turbulence::velocities(const Eigen::Ref<const Eigen::Matrix3Xd>& points, double time) const {
+  Eigen::Matrix3Xd result(3, points.cols());
+  const Eigen::Matrix3Xd places = axes_.transpose().lazyProduct(points.colwise() - parameters_.mean_wind * time);
+  const Waves waves{wavevectors_.data(), amplitudes_.data(), phases_.data(), static_cast<std::size_t>(phases_.size()),
+                    parameters_.length.data()};
+  if (sum_of_waves(waves, places.data(), static_cast<std::size_t>(places.cols()), result.data())) {
+    const Matrix3d turn = axes_ * parameters_.intensity.asDiagonal();
+    for (auto velocity : result.colwise()) velocity = turn * Vector3d(velocity);
+  } else {
+    for (Eigen::Index i = 0; i < points.cols(); ++i) result.col(i) = velocity(points.col(i), time);
+  }
+  return result;
+}
 
 WindSample Turbulence::sample(const Vector3d& point, double time) const { return evaluate<true>(point, time); }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "support/require.hpp"
+#include "wind/grid_kernel.hpp"
 
 namespace dragcore {
 
@@ -201,9 +202,11 @@ GridField::GridField(Grid grid) : grid_(std::move(grid)) {
   const Array3d size = (grid_.upper - grid_.lower).array();
   require((size > 0.0).all() && size.allFinite(), "grid: upper - lower", Vector3d(size),
           "it must be greater than 0 m on every axis, and finite");
-  for (Eigen::Index i = 0; i < grid_.values.cols(); ++i) require_finite("grid: value " + std::to_string(i), Vector3d(grid_.values.col(i)));
+  for (Eigen::Index i = 0; i < grid_.values.cols(); ++i)
+    require_finite([i] { return "grid: value " + std::to_string(i); }, Vector3d(grid_.values.col(i)));
   cells_per_metre_ = (grid_.points.array() - 1).cast<double>() / size;
   require(cells_per_metre_.allFinite(), "grid: upper - lower", Vector3d(size), "a cell is too small to divide by");
+  packed_ = pack(grid_);
 }
 
 Vector3d GridField::velocity(const Vector3d& point) const { return interpolate<false>(grid_, cells_per_metre_, point).velocity; }
@@ -262,6 +265,16 @@ FieldVariation GridField::variation(const Vector3d& centre, double radius, const
   return result;
 }
 
+namespace {
+
+std::array<double, 3> plain(const Vector3d& v) { return {v[0], v[1], v[2]}; }
+
+std::array<std::array<double, 3>, 3> plain(const Matrix3d& m) {
+  return {plain(Vector3d(m.row(0))), plain(Vector3d(m.row(1))), plain(Vector3d(m.row(2)))};
+}
+
+}  // namespace
+
 WindSampling choose_sampling(const WindVariation& variation, double tolerance) {
   if (variation.constant <= tolerance) return WindSampling::constant;
   return variation.affine <= tolerance ? WindSampling::affine : WindSampling::per_triangle;
@@ -269,33 +282,34 @@ WindSampling choose_sampling(const WindVariation& variation, double tolerance) {
 
 Wind::Wind(const std::vector<WindSource>& sources, double time) : time_(time) {
   require_finite("wind: time", time);
+  std::vector<PlacedGrid> grids;
   sources_.reserve(sources.size());
   for (const WindSource& source : sources) {
-    const std::string name = "wind source '" + source.name + "': ";
+    const auto name = [&source](const char* what) { return [&source, what] { return "wind source '" + source.name + "': " + what; }; };
     const auto& [position, rotation, scale] = source.placement;
-    require_finite(name + "position", position);
+    require_finite(name("position"), position);
     require(rotation.allFinite() && (rotation.transpose() * rotation - Matrix3d::Identity()).norm() < 1e-9 && rotation.determinant() > 0.0,
-            name + "determinant of the rotation", rotation.determinant(),
+            name("determinant of the rotation"), rotation.determinant(),
             "its columns must be orthonormal and right-handed; put stretching and mirrors into the scale");
     const Array3d inverse_scale = scale.array().abs().inverse();
-    require(scale.allFinite() && (inverse_scale > 0.0).all() && inverse_scale.allFinite(), name + "scale", scale,
+    require(scale.allFinite() && (inverse_scale > 0.0).all() && inverse_scale.allFinite(), name("scale"), scale,
             "it must be finite and not 0 on every axis");
-    require_finite(name + "intensity", source.intensity);
-    require(source.fade_radius > 0.0, name + "fade_radius", source.fade_radius, "it must be greater than 0 m");
-    if (const auto* uniform = std::get_if<UniformField>(&source.field)) require_finite(name + "velocity", uniform->velocity);
+    require_finite(name("intensity"), source.intensity);
+    require(source.fade_radius > 0.0, name("fade_radius"), source.fade_radius, "it must be greater than 0 m");
+    if (const auto* uniform = std::get_if<UniformField>(&source.field)) require_finite(name("velocity"), uniform->velocity);
     if (const auto* vortex = std::get_if<VortexField>(&source.field)) {
-      require_finite(name + "circulation", vortex->circulation);
-      require(vortex->core_radius > 0.0 && std::isfinite(vortex->core_radius), name + "core_radius", vortex->core_radius,
+      require_finite(name("circulation"), vortex->circulation);
+      require(vortex->core_radius > 0.0 && std::isfinite(vortex->core_radius), name("core_radius"), vortex->core_radius,
               "it must be greater than 0 m and finite");
     }
     if (const auto* jet = std::get_if<JetField>(&source.field)) {
-      require_finite(name + "exit_speed", jet->exit_speed);
-      require(jet->diameter > 0.0 && std::isfinite(jet->diameter), name + "diameter", jet->diameter,
+      require_finite(name("exit_speed"), jet->exit_speed);
+      require(jet->diameter > 0.0 && std::isfinite(jet->diameter), name("diameter"), jet->diameter,
               "it must be greater than 0 m and finite");
     }
     const auto* grid = std::get_if<std::shared_ptr<const GridField>>(&source.field);
     const auto* turbulence = std::get_if<std::shared_ptr<const Turbulence>>(&source.field);
-    require(!(grid && !*grid) && !(turbulence && !*turbulence), name + "field", "null", "it must be set");
+    require(!(grid && !*grid) && !(turbulence && !*turbulence), name("field"), "null", "it must be set");
 
     Placed placed{source.field,
                   position,
@@ -320,8 +334,31 @@ Wind::Wind(const std::vector<WindSource>& sources, double time) : time_(time) {
                             Vector3d::Constant(1e-14 * position.norm());
       placed.box = placed.box.intersection(Eigen::AlignedBox3d(position - half, position + half));
     }
+    if (grid && (*grid)->packed()) {
+      const GridField& field = **grid;
+      const Matrix3d turn = field.packed()->largest * placed.turn;
+      const Eigen::Vector3i points = field.grid().points;
+      const std::int64_t line = 4 * std::max(points[0], 2);
+      placed.packed = turn.allFinite() && std::isfinite(1.0 / source.fade_radius);  // else: numbers beyond what factors can be
+      if (placed.packed)
+        grids.push_back({.packed = field.packed(),
+                         .strides = {4, line, line * points[1]},
+                         .last_point = plain(Vector3d((points.array() - 1).cast<double>())),
+                         .last_cell = plain(Vector3d((points.array() - 2).max(0).cast<double>())),
+                         .lower = plain(field.grid().lower),
+                         .upper = plain(field.grid().upper),
+                         .cells_per_metre = plain(Vector3d(field.cells_per_metre())),
+                         .position = plain(position),
+                         .to_field = plain(placed.to_field),
+                         .turn = plain(turn),
+                         .zero_outside = field.grid().outside == Outside::zero,
+                         .per_fade_radius = 1.0 / source.fade_radius,
+                         .box_min = plain(placed.box.min()),
+                         .box_max = plain(placed.box.max())});
+    }
     sources_.push_back(std::move(placed));
   }
+  if (!grids.empty()) grids_ = std::make_shared<const std::vector<PlacedGrid>>(std::move(grids));
 }
 
 namespace {
@@ -380,24 +417,74 @@ Eigen::AlignedBox3d box_of(const Eigen::Ref<const Eigen::Matrix3Xd>& points) {
 
 }  // namespace
 
-Eigen::Matrix3Xd Wind::velocities(const Eigen::Ref<const Eigen::Matrix3Xd>& points) const {
-  Eigen::Matrix3Xd result(3, points.cols());
-  if (points.cols() == 0) return result;
-  const std::vector<std::size_t> near = sources_near(box_of(points));
+/// Turbulence at many points at once, where the source reaches them.
+void Wind::add_turbulence(const Placed& source, const Turbulence& turbulence, const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                          Eigen::Matrix3Xd& sum) const {
+  std::vector<Eigen::Index> inside;
+  std::vector<double> fade;
+  Eigen::Matrix3Xd places(3, points.cols());
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    WindSample sum;
-    for (const std::size_t source : near) add<false>(sources_[source], points.col(i), sum);
-    result.col(i) = sum.velocity;
+    if (misses(source.box, points.col(i))) continue;
+    const Vector3d local = source.to_field * (points.col(i) - source.position);
+    const double q = 1.0 - (local / source.fade_radius).squaredNorm();
+    if (q <= 0.0) continue;
+    places.col(static_cast<Eigen::Index>(inside.size())) = local;
+    inside.push_back(i);
+    fade.push_back(q * q);
   }
+  const Eigen::Matrix3Xd velocities = turbulence.velocities(places.leftCols(static_cast<Eigen::Index>(inside.size())), time_);
+  for (std::size_t i = 0; i < inside.size(); ++i)
+    sum.col(inside[i]) += source.turn * (fade[i] * velocities.col(static_cast<Eigen::Index>(i)));
+}
+
+Eigen::Matrix3Xd Wind::velocities(const Eigen::Ref<const Eigen::Matrix3Xd>& points, Precision precision) const {
+  if (sources_.empty() || points.cols() == 0) return Eigen::Matrix3Xd::Zero(3, points.cols());
+  const bool single = precision == Precision::single, by_kernel = single && grids_;
+  if (by_kernel && points.outerStride() != 3) return velocities(Eigen::Matrix3Xd(points), precision);
+  Eigen::Matrix3Xd result(3, points.cols());
+  bool finite = !single || grids_ || points.allFinite();
+  if (by_kernel)
+    finite = sum_of_grids(*grids_, points.data(), static_cast<std::size_t>(points.cols()), result.data());
+  else
+    result.setZero();
+  if (by_kernel && finite && grids_->size() == sources_.size()) return result;
+
+  std::vector<std::size_t> one_by_one;
+  for (const std::size_t i : sources_near(box_of(points))) {
+    const auto* turbulence = std::get_if<std::shared_ptr<const Turbulence>>(&sources_[i].field);
+    if (by_kernel && sources_[i].packed) continue;
+    if (single && turbulence)
+      add_turbulence(sources_[i], **turbulence, points, result);
+    else
+      one_by_one.push_back(i);
+  }
+  if (!one_by_one.empty())
+    for (Eigen::Index column = 0; column < points.cols(); ++column) {
+      WindSample sum{.velocity = result.col(column)};
+      for (const std::size_t i : one_by_one) add<false>(sources_[i], points.col(column), sum);
+      result.col(column) = sum.velocity;
+    }
+  // The kernels know no more than numbers.
+  if (!finite)
+    for (Eigen::Index column = 0; column < points.cols(); ++column)
+      if (!points.col(column).allFinite()) result.col(column) = velocity(points.col(column));
   return result;
 }
 
-std::vector<WindSample> Wind::samples(const Eigen::Ref<const Eigen::Matrix3Xd>& points) const {
+std::vector<WindSample> Wind::samples(const Eigen::Ref<const Eigen::Matrix3Xd>& points, Precision precision) const {
   std::vector<WindSample> result(static_cast<std::size_t>(points.cols()));
-  if (points.cols() == 0) return result;
+  if (sources_.empty() || result.empty()) return result;
+  const bool by_kernel = precision == Precision::single && grids_;
+  if (by_kernel && points.outerStride() != 3) return samples(Eigen::Matrix3Xd(points), precision);
+  const bool finite = !by_kernel || sum_of_grids(*grids_, points.data(), result.size(), result.data());
+  if (by_kernel && finite && grids_->size() == sources_.size()) return result;
   const std::vector<std::size_t> near = sources_near(box_of(points));
-  for (Eigen::Index i = 0; i < points.cols(); ++i)
-    for (const std::size_t source : near) add<true>(sources_[source], points.col(i), result[static_cast<std::size_t>(i)]);
+  for (Eigen::Index column = 0; column < points.cols(); ++column)
+    for (const std::size_t i : near)
+      if (!by_kernel || !sources_[i].packed) add<true>(sources_[i], points.col(column), result[static_cast<std::size_t>(column)]);
+  if (!finite)
+    for (Eigen::Index column = 0; column < points.cols(); ++column)
+      if (!points.col(column).allFinite()) result[static_cast<std::size_t>(column)] = sample(points.col(column));
   return result;
 }
 

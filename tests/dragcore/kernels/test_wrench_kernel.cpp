@@ -1,10 +1,9 @@
 // The kernels of Precision::single against the same sums in double precision, on every instruction set that this machine has.
 
-#include <catch2/catch.hpp>
 #include <dragcore/expose.hpp>
 
-#include "kernels/wrench_kernel.hpp"
 #include "tests/dragcore/drag/hostile.hpp"
+#include "tests/dragcore/kernels/targets.hpp"
 #include "tests/support/meshes.hpp"
 
 using namespace dragcore;
@@ -14,17 +13,6 @@ namespace {
 
 /// Float numbers are rounded to 6e-8, and between a velocity and a force lie some fifteen roundings, most of which fall on small parts.
 constexpr double tolerance = 1e-6;
-
-/// Every target in turn, and the best again at the end.
-template <class Check>
-void on_every_target(Check&& check) {
-  for (const std::string& target : kernels::targets()) {
-    kernels::force_target(target);
-    INFO("target " << target);
-    check();
-  }
-  kernels::force_target("");
-}
 
 Model in(Precision precision, Model model) {
   model.precision = precision;
@@ -89,7 +77,7 @@ TEST_CASE("the kernels give every term of the wrench within single precision", "
   surfaces.push_back(zoo::surface(Sphere{}, 12));  // more than one block of triangles
   std::vector<Vector3d> winds;
   const std::vector<Model> all_models = models();
-  on_every_target([&] {
+  kernels::on_every_target([&] {
     for (const Surface& surface : surfaces) {
       const std::vector<Motion> all_motions = motions(random, surface, winds);
       for (std::size_t k = 0; k < all_motions.size(); ++k) {
@@ -103,33 +91,20 @@ TEST_CASE("the kernels give every term of the wrench within single precision", "
 }
 
 TEST_CASE("the width of the vectors does not change a bit", "[kernels][backend]") {
-  // Products and sums are fused in the first family and not in the second: 16 and 8 at once, and 4 and 1. The second is everywhere.
-  const std::vector<std::string> here = kernels::targets();
-  zoo::Random random(32);
-  std::vector<Surface> surfaces{three_parts(), sheltered(random), zoo::surface(Sphere{}, 12), zoo::surface(Plate{.thickness = 0.0}, 4)};
-  std::vector<Vector3d> winds;
-  int families = 0;
-  for (const std::array<std::string, 2>& family : {std::array<std::string, 2>{"AVX3", "AVX2"}, {"SSE4", "SCALAR"}}) {
-    if (!std::all_of(family.begin(), family.end(),
-                     [&](const auto& name) { return std::find(here.begin(), here.end(), name) != here.end(); }))
-      continue;
-    ++families;
-    for (const Surface& surface : surfaces)
-      for (const Motion& motion : motions(random, surface, winds))
-        for (const Model& model : models()) {
-          kernels::force_target(family[0]);
-          const WrenchByTerm wide = wrench(surface, motion, {}, in(Precision::single, model));
-          kernels::force_target(family[1]);
-          const WrenchByTerm narrow = wrench(surface, motion, {}, in(Precision::single, model));
-          INFO(family[0] << " and " << family[1] << ", law " << model.law.name);
-          for (std::size_t term = 0; term < wide.terms.size(); ++term) {
-            CHECK(wide.terms[term].force == narrow.terms[term].force);
-            CHECK(wide.terms[term].torque == narrow.terms[term].torque);
-          }
-        }
-  }
-  kernels::force_target("");
-  CHECK(families > 0);
+  kernels::on_equal_targets(
+      [] {
+        zoo::Random random(32);
+        std::vector<double> all;
+        std::vector<Vector3d> winds;
+        for (const Surface& surface :
+             {three_parts(), sheltered(random), zoo::surface(Sphere{}, 12), zoo::surface(Plate{.thickness = 0.0}, 4)})
+          for (const Motion& motion : motions(random, surface, winds))
+            for (const Model& model : models())
+              for (const Wrench& term : wrench(surface, motion, {}, in(Precision::single, model)).terms)
+                for (const Vector3d& v : {term.force, term.torque}) all.insert(all.end(), v.data(), v.data() + 3);
+        return all;
+      },
+      [](const std::vector<double>& wide, const std::vector<double>& narrow) { CHECK(wide == narrow); });
 }
 
 TEST_CASE("what the kernels do not know is summed in double precision", "[kernels]") {
@@ -202,4 +177,18 @@ TEST_CASE("the kernels work at any size and speed", "[kernels][hard]") {
   CHECK(wrench(Surface(TriangleMesh{}), motion, {}, in(Precision::single, model)).total().force == Vector3d::Zero());
   CHECK_THROWS_AS(wrench(zoo::surface(Box{}, 2), Motion{.velocity = {std::nan(""), 0, 0}}, {}, in(Precision::single, model)),
                   std::invalid_argument);
+}
+
+TEST_CASE("a small part far from a large one has its own units", "[kernels][hard]") {
+  // In units of the sheet a box of 1 m has no size to speak of.
+  const TriangleMesh box = triangulate(Box{}, 2), sheet = triangulate(Plate{.chord = 1e6, .span = 1e6, .thickness = 0.0}, 1);
+  const Surface surface(support::together({box, support::moved(sheet, {0, 0, -3})})), alone(box);
+  // Edge-on to the sheet, whose friction is off: what is left is the box.
+  Model model = model_for(surface);
+  model.sheets->law.friction = 0.0;
+  const Motion motion{.velocity = {-10, 3, 0}};
+  const Wrench with = wrench(surface, motion, {}, in(Precision::single, model)).total(),
+               without = wrench(alone, motion, {}, in(Precision::full, model_for(alone))).total();
+  CHECK((with.force - without.force).norm() <= tolerance * without.force.norm());
+  CHECK((with.torque - without.torque).norm() <= tolerance * without.force.norm());
 }
