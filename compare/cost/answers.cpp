@@ -259,7 +259,7 @@ std::vector<CostTable> cost_tables(const Ladder& ladder) {
   if (!ladder.spin.empty())
     tables.push_back({"spin-cost-table", "Points per triangle of bodies that spin: rms error against six points, and of OpenFOAM's torque",
                       spin_grid(ladder)});
-  if (!ladder.steps.empty()) tables.push_back({"step-table", "A step of a body that spins, best law", step_grid(ladder)});
+  if (!ladder.steps.empty()) tables.push_back({"step-table", "Many bodies, and a step of a body that spins; best law", step_grid(ladder)});
   return tables;
 }
 
