@@ -348,7 +348,7 @@ json cost_figure(const Report& report) {
         if (named.empty() || rung->errors.relative < 0.85 * named.back()->errors.relative) named.push_back(rung);
       for (const Rung& rung : ladder.rungs)
         if (std::find(named.begin(), named.end(), &rung) == named.end() &&
-            (rung.kind == "engine" || rung.name == "note" || rung.name == "k_omega_sst_ddes, medium"))
+            (rung.kind == "engine" || rung.name == "k_omega_sst_ddes, medium"))
           named.push_back(&rung);
       json cheap = json::array(), dear = json::array();
       for (const Rung* rung : named) (rung->kind == "CFD" ? dear : cheap).push_back(point(*rung));
