@@ -17,6 +17,12 @@ int default_divisions(const dragcore::Shape& shape);
 /// feels the wind on both sides; a body of triangles is prepared and exposed as a file would be.
 dragcore::Surface surface_of(const dragcore::Shape& shape, int divisions);
 
+/// The same, made once for each shape and resolution and kept: a report evaluates each of them thousands of times.
+const dragcore::Surface& prepared_surface(const dragcore::Shape& shape, int divisions);
+
+/// Of a case, body frame: the wind of its pose, unless the air is still, and its spin.
+dragcore::Motion motion_of(const case_record::CaseRecord& record);
+
 /// One model for every body, or the law that suits the class of each (dragcore::law_for), with one pillow for all or that of the class.
 struct ModelChoice {
   dragcore::Model model{};

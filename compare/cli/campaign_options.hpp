@@ -3,7 +3,7 @@
 #include <string>
 
 #include "cfd_cases/campaign/campaign.hpp"
-#include "compare/calibration/cost.hpp"
+#include "compare/cost/cfd_cost.hpp"
 
 namespace CLI {
 class App;

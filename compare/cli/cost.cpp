@@ -1,8 +1,10 @@
-#include "compare/calibration/cost.hpp"
-
 #include <fmt/format.h>  // before any header of compare: fmt has a function of that name
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -10,38 +12,28 @@
 
 #include "compare/cli/campaign_options.hpp"
 #include "compare/cli/commands.hpp"
+#include "compare/cost/answers.hpp"
+#include "compare/cost/cfd_cost.hpp"
+#include "compare/tables/text_grid.hpp"
 
 namespace cli {
 
 namespace {
 
-nlohmann::json optional_json(const std::optional<double>& value) { return value ? nlohmann::json(*value) : nlohmann::json(nullptr); }
-
-nlohmann::json to_json(const compare::CostTable& table) {
-  nlohmann::json models = nlohmann::json::array(), cfd = nlohmann::json::array();
-  for (const compare::ModelCost& row : table.models)
-    models.push_back({{"shape", row.shape},
-                      {"law", row.law},
-                      {"pillow", row.pillow},
-                      {"quadrature", row.quadrature},
-                      {"triangles", row.triangles},
-                      {"microseconds", row.microseconds},
-                      {"spinning_microseconds", row.spinning_microseconds},
-                      {"rms_drag_error", row.rms_drag_error},
-                      {"rms_moment_error", optional_json(row.rms_moment_error)},
-                      {"cases", row.cases}});
-  for (const compare::CfdCost& row : table.cfd)
-    cfd.push_back({{"case", row.case_name},
-                   {"mesh_level", row.mesh_level},
-                   {"cells", row.cells},
-                   {"iterations", row.iterations},
-                   {"mesh_cpu_s", row.mesh_s},
-                   {"convert_cpu_s", row.convert_s},
-                   {"solve_cpu_s", row.solve_s},
-                   {"total_cpu_s", row.total_s},
-                   {"drag_error", optional_json(row.drag_error)},
-                   {"finest", row.finest}});
-  return {{"models", models}, {"cfd", cfd}};
+nlohmann::json to_json(const std::vector<compare::CfdCost>& rows) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const compare::CfdCost& row : rows)
+    list.push_back({{"case", row.case_name},
+                    {"mesh_level", row.mesh_level},
+                    {"cells", row.cells},
+                    {"iterations", row.iterations},
+                    {"mesh_cpu_s", row.mesh_s},
+                    {"convert_cpu_s", row.convert_s},
+                    {"solve_cpu_s", row.solve_s},
+                    {"total_cpu_s", row.total_s},
+                    {"drag_error", compare::optional_json(row.drag_error)},
+                    {"finest", row.finest}});
+  return list;
 }
 
 nlohmann::json to_json(const std::vector<compare::CostCheck>& checks) {
@@ -57,20 +49,12 @@ nlohmann::json to_json(const std::vector<compare::CostCheck>& checks) {
   return list;
 }
 
-void print(const compare::CostTable& table, bool all) {
-  fmt::print("Drag model: microseconds per body and evaluation on one thread, rms error over the orientations of the references\n");
-  fmt::print("  {:<6} {:<10} {:<9} {:>9} {:>5} {:>12} {:>12} {:>9} {:>9}\n", "shape", "law", "pillow", "triangles", "rule", "us, no spin",
-             "us, spin", "C_D", "C_m");
-  for (const compare::ModelCost& row : table.models) {
-    // Without --all: the rule of three points, which is the default of the library.
-    if (!all && row.quadrature != 3) continue;
-    fmt::print("  {:<6} {:<10} {:<9} {:>9} {:>5} {:>12.2f} {:>12.2f} {:>9.3f} {:>9}\n", row.shape, row.law, row.pillow, row.triangles,
-               fmt::format("Q{}", row.quadrature), row.microseconds, row.spinning_microseconds, row.rms_drag_error,
-               row.rms_moment_error ? fmt::format("{:.4f}", *row.rms_moment_error) : "");
-  }
+void print(const compare::CostTable& table, bool colour) { fmt::print("\n{}\n{}", table.caption, compare::aligned(table.grid, colour)); }
+
+void print(const std::vector<compare::CfdCost>& rows) {
   fmt::print("\nOpenFOAM: CPU seconds per case, C_D against the finest mesh of the same case\n");
   fmt::print("  {:<44} {:>8} {:>6} {:>8} {:>8} {:>8} {:>8} {:>9}\n", "case", "cells", "iter", "mesh", "convert", "solve", "total", "C_D");
-  for (const compare::CfdCost& row : table.cfd)
+  for (const compare::CfdCost& row : rows)
     fmt::print("  {:<44} {:>8} {:>6} {:>8.1f} {:>8.1f} {:>8.1f} {:>8.1f} {:>9}\n", row.case_name, row.cells, row.iterations, row.mesh_s,
                row.convert_s, row.solve_s, row.total_s,
                row.drag_error ? fmt::format("{:.4f}", *row.drag_error)
@@ -107,35 +91,82 @@ void fit(const SourceOptions& source, const std::string& output) {
   fmt::print("{}: fitted to {}\n", output, model.provenance.at("fitted_to"));
 }
 
+/// "2%", "2 %" or "2": per cent.
+double share_from(std::string text) {
+  std::erase_if(text, [](char letter) { return letter == ' ' || letter == '%'; });
+  double value = 0.0;
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (fault != std::errc() || end != text.data() + text.size() || !(value > 0.0 && value <= 100.0))
+    throw UsageError("--target '" + text + "': per cent of the force are needed, above 0 and at most 100, such as 2%");
+  return 0.01 * value;
+}
+
 }  // namespace
 
-void add_cost(CLI::App& app, Context&) {
+void add_cost(CLI::App& app, Context& context) {
   struct Options {
     SourceOptions source;
-    bool json = false, all = false, fit = false;
-    std::string write;
+    bool json = false, all = false, fit = false, quick = false;
+    std::string write, target, body, studies = "results/studies.h5";
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("cost", "What accuracy costs in time: every option of the model, and OpenFOAM at each mesh level");
-  command->footer("Example: dragval cost --all\nTimes are of this machine, now: compare the ratios, not the microseconds.");
+  CLI::App* command =
+      app.add_subcommand("cost", "What accuracy costs in time: from one drag coefficient over engines and laws to OpenFOAM and DDES");
+  command->footer(
+      "Times are measured now, on this machine: CPU seconds, best of several.\n"
+      "Examples: dragval cost\n"
+      "          dragval cost --target 10% --body cone");
   add_source_options(*command, options->source);
   command->add_flag("--json", options->json, "Print JSON (all rows)");
-  command->add_flag("--all", options->all, "All orders of quadrature, not only the default");
+  command->add_flag("--all", options->all, "Every rung and every OpenFOAM case, too, and what `dragval plan` predicted for them");
+  command->add_option("--target", options->target, "Which law, mesh or CFD level has an rms error of at most this, in % of the force");
+  command->add_option("--body", options->body, "Only the bodies whose name holds this: cone, say");
+  command->add_option("--studies", options->studies, "Studies of the numerics: what a later stop of the solver costs")
+      ->check(CLI::ExistingFile)
+      ->capture_default_str();
+  command->add_flag("--quick", options->quick, "Fewer repetitions and meshes");
   CLI::Option* fit_option =
       command->add_flag("--fit", options->fit, "Instead: fit the model of what a CFD case costs, which `dragval plan` uses, and print it");
   command->add_option("--write", options->write, "Where to put the fitted model: cfd_cases/campaign/cost_model.toml")->needs(fit_option);
-  command->callback([options] {
+  command->callback([options, &context] {
     if (options->fit) return fit(options->source, options->write);
-    const auto records = load(options->source).reference.cases;
-    const compare::CostTable table = compare::measure_cost(records, compare::calibrate(records));
-    const auto checks = compare::check_cost(records, cost_predictor());
+    const double target = options->target.empty() ? 0.0 : share_from(options->target);  // 0: none asked for
+    Sources sources = load(options->source);
+    const std::vector<compare::CaseRecord>& records = sources.reference.cases;
+    std::optional<compare::Calibration> calibration;
+    try {
+      calibration = compare::calibrate(records);
+    } catch (const std::invalid_argument& fault) {
+      fmt::print(stderr, "without fitted laws: {}\n", fault.what());
+    }
+    compare::LadderOptions wanted{.calibration = calibration ? &*calibration : nullptr,
+                                  .spinning = std::move(sources.spinning),
+                                  .body = options->body,
+                                  .quick = options->quick};
+    if (std::filesystem::exists(options->studies)) wanted.studies = compare::read_reference(options->studies).cases;
+    const compare::Ladder ladder = compare::measure_ladder(records, wanted);
+    if (ladder.poses == 0) {
+      fmt::print(stderr, "dragval: no usable turbulent case at Re >= 1e4 to hold a law against. Solve some: dragval run quick\n");
+      context.exit_code = exit_code::nothing_compared;
+      return;
+    }
+    const bool colour = ::isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR");
     if (options->json) {
-      nlohmann::json text = to_json(table);
-      text["predicted_cfd_cost"] = to_json(checks);
+      nlohmann::json text = compare::to_json(ladder);
+      if (target > 0.0) text["target"] = compare::to_json(compare::reach(ladder, target));
+      text["cfd"] = to_json(compare::cfd_costs(records));
+      text["predicted_cfd_cost"] = to_json(compare::check_cost(records, cost_predictor()));
       std::cout << text.dump(2) << "\n";
+    } else if (target > 0.0) {
+      fmt::print("{}", compare::answer(ladder, compare::reach(ladder, target)));
     } else {
-      print(table, options->all);
-      if (!checks.empty()) print(checks);
+      fmt::print("{}", compare::answer(ladder));
+      for (const compare::CostTable& table : compare::cost_tables(ladder)) print(table, colour);
+      if (options->all) {
+        print(compare::all_rungs(ladder), colour);
+        print(compare::cfd_costs(records));
+        if (const auto checks = compare::check_cost(records, cost_predictor()); !checks.empty()) print(checks);
+      }
     }
   });
 }

@@ -153,8 +153,12 @@ void add_checks(std::vector<PublishedCheck>& checks, const CaseFamily& family, b
 }  // namespace
 
 std::vector<PublishedCheck> published_checks(const std::vector<CaseRecord>& records, bool alternatives) {
+  return published_checks(cases_of_record(records), alternatives);
+}
+
+std::vector<PublishedCheck> published_checks(const std::vector<CaseOfRecord>& cases, bool alternatives) {
   std::vector<PublishedCheck> checks;
-  for (const CaseOfRecord& chosen : cases_of_record(records)) {
+  for (const CaseOfRecord& chosen : cases) {
     add_checks(checks, chosen.family, true);
     if (!alternatives) continue;
     for (const CaseFamily& alternative : chosen.alternatives) add_checks(checks, alternative, false);

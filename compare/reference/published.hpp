@@ -71,5 +71,6 @@ struct PublishedCheck {
 /// Every usable case of record, at its finest mesh, for which something was published. The check of the CFD chain itself.
 /// @param alternatives  also the families that are not of record: what another method says of the same pose
 std::vector<PublishedCheck> published_checks(const std::vector<case_record::CaseRecord>& records, bool alternatives = false);
+std::vector<PublishedCheck> published_checks(const std::vector<CaseOfRecord>& cases, bool alternatives = false);
 
 }  // namespace compare

@@ -20,16 +20,16 @@ using case_record::CaseRecord;
 
 namespace {
 
+using Eigen::ArrayXd;
 using Eigen::VectorXd;
 
 /// phi = phi_0 + sum_k alpha_k h^p_k, least squares.
 struct Fit {
   double at_zero = 0.0;
-  double order = 0.0;           ///< of the free-order fit
-  double error = 0.0;           ///< |sum alpha_k h_1^p_k| on the finest mesh
-  double residual = 0.0;        ///< phi_1 - fit at h_1
-  double sum_of_squares = 0.0;  ///< weighted
-  double deviation = 0.0;       ///< standard deviation of the fit
+  double order = 0.0;      ///< of the free-order fit
+  double error = 0.0;      ///< |sum alpha_k h_1^p_k| on the finest mesh
+  double residual = 0.0;   ///< phi_1 - fit at h_1
+  double deviation = 0.0;  ///< standard deviation of the fit
   std::string name;
 };
 
@@ -45,25 +45,33 @@ Fit fit_orders(const VectorXd& h, const VectorXd& phi, const VectorXd& weights, 
   fit.at_zero = solution[0];
   fit.error = std::abs(terms.row(0).tail(terms.cols() - 1).dot(solution.tail(terms.cols() - 1)));
   fit.residual = residual[0];
-  fit.sum_of_squares = weights.dot(residual.cwiseAbs2());
   const double freedom = static_cast<double>(h.size()) - parameters;
   // Weights sum to one: n times the weighted mean square is a sum of squares.
-  fit.deviation = freedom > 0 ? std::sqrt(static_cast<double>(h.size()) * fit.sum_of_squares / freedom) : 0.0;
+  fit.deviation = freedom > 0 ? std::sqrt(static_cast<double>(h.size()) * weights.dot(residual.cwiseAbs2()) / freedom) : 0.0;
   return fit;
+}
+
+/// Of the line phi = phi_0 + alpha h^p, the regression of phi on h^p: what is left of phi, without solving a system. Hundreds of orders are
+/// tried for every channel of every family. @param weights  sum 1
+double sum_of_squares(const ArrayXd& log_h, const ArrayXd& phi, const ArrayXd& weights, double p) {
+  const ArrayXd x = (p * log_h).exp();
+  const ArrayXd dx = x - (weights * x).sum(), dphi = phi - (weights * phi).sum();
+  const double slope = (weights * dx * dphi).sum() / (weights * dx * dx).sum();
+  return (weights * (dphi - slope * dx).square()).sum();
 }
 
 /// The order for which the fit is best; nothing when that is at an end of the range: no convergence seen.
 std::optional<Fit> fit_free_order(const VectorXd& h, const VectorXd& phi, const VectorXd& weights) {
   constexpr double lowest = 0.05, highest = 8.0, step = 0.05;
-  const auto at = [&](double p) { return fit_orders(h, phi, weights, {p}, 3); };
+  const ArrayXd log_h = h.array().log();
+  const auto at = [&](double p) { return sum_of_squares(log_h, phi, weights, p); };
   // The sum of squares may have several minima: a scan finds the lowest, Brent's method its place.
-  double best = lowest, best_sum = at(lowest).sum_of_squares;
+  double best = lowest, best_sum = at(lowest);
   for (double p = lowest + step; p <= highest; p += step)
-    if (const double sum = at(p).sum_of_squares; sum < best_sum) best_sum = sum, best = p;
+    if (const double sum = at(p); sum < best_sum) best_sum = sum, best = p;
   if (best <= lowest || best > highest - step) return std::nullopt;
-  const double order =
-      boost::math::tools::brent_find_minima([&](double p) { return at(p).sum_of_squares; }, best - step, best + step, 40).first;
-  Fit fit = at(order);
+  const double order = boost::math::tools::brent_find_minima(at, best - step, best + step, 40).first;
+  Fit fit = fit_orders(h, phi, weights, {order}, 3);
   fit.order = order;
   return fit;
 }

@@ -25,9 +25,7 @@ void replace(std::string& page, const std::string& mark, const std::string& text
 
 }  // namespace
 
-std::string ReportedModel::label() const {
-  return pillow == "none" ? law : law + ", " + choice.pillow_label();
-}
+std::string ReportedModel::label() const { return pillow == "none" ? law : law + ", " + choice.pillow_label(); }
 
 Report make_report(Reference reference, std::vector<CaseRecord> spinning, const std::vector<std::string>& missing, bool quick_cost) {
   Report report{.reference = std::move(reference), .spinning = std::move(spinning)};
@@ -51,7 +49,7 @@ Report make_report(Reference reference, std::vector<CaseRecord> spinning, const 
     for (const Fit& fit : report.calibration->fits)
       if ((fit.model.pillow.form != dragcore::PillowForm::none) == with_pillow) add(fit.model);
   add(ModelChoice::recommended());
-  report.cost = measure_cost(cases, *report.calibration, quick_cost);
+  report.cost = measure_ladder(cases, {.calibration = &*report.calibration, .spinning = report.spinning, .quick = quick_cost});
   return report;
 }
 

@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "compare/calibration/calibration.hpp"
-#include "compare/calibration/cost.hpp"
+#include "compare/cost/cfd_cost.hpp"
+#include "compare/cost/ladder.hpp"
 #include "compare/store/store.hpp"
 #include "compare/tables/error_table.hpp"
 
@@ -31,7 +32,7 @@ struct Report {
   std::vector<ReportedModel> models;       ///< the laws without pillow first, the note's at their head; then each fitted pillow
   std::optional<Calibration> calibration;  ///< empty when the references do not suffice, and then:
   std::string calibration_fault;           ///< why
-  CostTable cost;                          ///< empty without a calibration
+  Ladder cost;                             ///< without rungs when there are no turbulent cases at Re >= 1e4
   std::vector<CostCheck> cost_checks;      ///< predicted against actual CPU time of the references; filled by whoever has a prediction
   std::string source;                      ///< file or folder that the references came from
   std::string commit;                      ///< of the program

@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
+#include <tuple>
 
-#include "compare/reference/uncertainty.hpp"
+#include "compare/cost/answers.hpp"
 #include "compare/report/report.hpp"
 #include "compare/report/report_sweep.hpp"
 
@@ -102,19 +104,37 @@ std::vector<double> fine_angles(const Sweep& sweep, const std::vector<const Erro
   return angles;
 }
 
-/// Layers of one coefficient against orientation.
-/// @param with_pillow  one line for every pillow form, told apart by dashes; else one per law
-json sweep_panel(const Report& report, const Sweep& sweep, Channel channel, const std::string& title, bool with_pillow, int width,
-                 int height) {
-  const auto rows = rows_of(report.models.front().table, sweep, channel);
-  // Every pose has a C_D: the panels of a sweep share their axis.
-  const std::vector<double> angles = fine_angles(sweep, rows_of(report.models.front().table, sweep, Channel::drag));
-  json lines = json::array(), points = json::array(), literature = json::array();
+/// What the models of a report say along a sweep.
+struct Curves {
+  std::vector<double> angles;                       ///< [deg], the same for all panels of the sweep: every pose has a C_D
+  std::vector<std::vector<Coefficients>> of_model;  ///< at every angle; empty for the pillow per triangle
+};
+
+Curves curves_along(const Report& report, const Sweep& sweep) {
+  Curves curves{fine_angles(sweep, rows_of(report.models.front().table, sweep, Channel::drag)), {}};
   for (const ReportedModel& model : report.models) {
     // The form per triangle depends on the triangulation: a curve of it would be one of the mesh. It has its rows in the tables.
-    if (model.pillow == "triangle" || (!with_pillow && model.pillow != "none")) continue;
-    const auto curve = coefficients_along(sweep, model.choice, angles);
-    for (std::size_t i = 0; i < angles.size(); ++i)
+    curves.of_model.emplace_back();
+    if (model.pillow == "triangle") continue;
+    ModelChoice drawn = model.choice;
+    drawn.model.precision = dragcore::Precision::single;  // nobody sees 1e-6 of a line
+    curves.of_model.back() = coefficients_along(sweep, drawn, curves.angles);
+  }
+  return curves;
+}
+
+/// Layers of one coefficient against orientation.
+/// @param with_pillow  one line for every pillow form, told apart by dashes; else one per law
+json sweep_panel(const Report& report, const Sweep& sweep, const Curves& curves, Channel channel, const std::string& title,
+                 bool with_pillow, int width, int height) {
+  const auto rows = rows_of(report.models.front().table, sweep, channel);
+  const std::vector<double>& angles = curves.angles;
+  json lines = json::array(), points = json::array(), literature = json::array();
+  for (std::size_t m = 0; m < report.models.size(); ++m) {
+    const ReportedModel& model = report.models[m];
+    const std::vector<Coefficients>& curve = curves.of_model[m];
+    if (!with_pillow && model.pillow != "none") continue;
+    for (std::size_t i = 0; i < curve.size(); ++i)
       if (const auto value = curve[i][channel])
         lines.push_back({{"angle", angles[i]}, {"value", *value}, {"series", model.law}, {"pillow", model.pillow}});
   }
@@ -162,12 +182,11 @@ json sweep_panel(const Report& report, const Sweep& sweep, Channel channel, cons
   return {{"width", width}, {"height", height}, {"layer", layers}};
 }
 
-json sweep_figure(const Report& report, const Sweep& sweep) {
+json sweep_figure(const Report& report, const Sweep& sweep, const Curves& curves) {
   json spec = base();
   spec["hconcat"] = json::array();
-  for (const Channel channel : {Channel::drag, sweep.force, sweep.moment}) {
-    spec["hconcat"].push_back(sweep_panel(report, sweep, channel, symbol(channel), channel == sweep.moment, 310, 240));
-  }
+  for (const Channel channel : {Channel::drag, sweep.force, sweep.moment})
+    spec["hconcat"].push_back(sweep_panel(report, sweep, curves, channel, symbol(channel), channel == sweep.moment, 310, 240));
   spec["spacing"] = 64;
   spec["bounds"] = "flush";  // panels of one width and height, whatever their labels
   spec["resolve"] = {{"scale", {{"color", "shared"}}}};
@@ -175,14 +194,14 @@ json sweep_figure(const Report& report, const Sweep& sweep) {
 }
 
 /// C_D of every shape with a curve, for a page that has room for one figure.
-json drag_figure(const Report& report, const std::vector<Sweep>& list) {
+json drag_figure(const Report& report, const std::map<const Sweep*, Curves>& curves, const std::vector<Sweep>& list) {
   json spec = base();
   spec["hconcat"] = json::array();
   for (const Sweep& sweep : list) {
     if (!sweep.curve) continue;
     const std::string body = sweep.title.substr(0, sweep.title.find(" at "));
     const std::string title = "C_D, " + body + (sweep.detail.empty() ? "" : ", " + sweep.detail);
-    spec["hconcat"].push_back(sweep_panel(report, sweep, Channel::drag, title, false, 250, 230));
+    spec["hconcat"].push_back(sweep_panel(report, sweep, curves.at(&sweep), Channel::drag, title, false, 250, 230));
   }
   spec["spacing"] = 50;
   spec["bounds"] = "flush";
@@ -252,124 +271,96 @@ json face_pressure_figure(const Report& report) {
   return spec;
 }
 
-/// Time against error of C_D, one panel per shape: laws on every mesh, and OpenFOAM at every mesh level.
+/// Error against CPU time, from one drag coefficient to CFD: of the force, of C_D and of torque.
 json cost_figure(const Report& report) {
-  constexpr double smallest_error = 1e-4;  // below, an error of C_D is rounding of the comparison, not accuracy
   struct Panel {
-    json laws = json::array(), cfd = json::array(), cfd_unknown = json::array(), triangles = json::array(), levels = json::array();
-    std::map<std::string, int> meshes;  ///< of each OpenFOAM case
+    const char* title;
+    double RmsErrors::*error;
+    int width;
   };
-  std::map<std::string, Panel> panels;
-  for (const ModelCost& row : report.cost.models) panels[row.shape];
-  if (panels.empty()) return nullptr;
-  std::map<std::string, double> finest_u;
-  for (const CaseFamily& family : case_families(report.reference.cases))
-    if (family.uncertainty.discretisation_assessed && family.usable_levels().size() >= 3)
-      finest_u[family.record->name] = family.uncertainty.numerical[0] / coefficient_scales(*family.record)[0];
-
-  double time_low = 1e-6, time_high = 1.0, error_low = 0.1, error_high = 0.1;
-  const auto in_range = [&](double seconds, double error) {
-    time_low = std::min(time_low, seconds), time_high = std::max(time_high, seconds);
-    error_low = std::min(error_low, error), error_high = std::max(error_high, error);
-  };
-  for (const ModelCost& row : report.cost.models) {
-    if (row.quadrature != 1) continue;  // without spin one point per triangle is exact: other orders cost time and change nothing
-    const double error = std::max(row.rms_drag_error, smallest_error), seconds = 1e-6 * row.microseconds;
-    in_range(seconds, error);
-    const std::string law = law_label(row.law);
-    panels[row.shape].laws.push_back(
-        {{"seconds", seconds}, {"error", error}, {"series", law}, {"pillow", row.pillow}, {"triangles", row.triangles}});
-    if (row.law == "note" && row.pillow == "none")
-      panels[row.shape].triangles.push_back({{"seconds", seconds}, {"text", std::to_string(row.triangles)}});
-  }
-  const auto family_of = [](const CfdCost& row) { return row.case_name.substr(0, row.case_name.rfind('_')); };
-  for (const CfdCost& row : report.cost.cfd)
-    if (panels.contains(row.shape) && row.reynolds >= 1e4) ++panels[row.shape].meshes[family_of(row)];
-  for (const CfdCost& row : report.cost.cfd) {
-    if (!panels.contains(row.shape) || row.reynolds < 1e4 || row.total_s <= 0.0) continue;
-    Panel& panel = panels[row.shape];
-    json point = {
-        {"seconds", row.total_s}, {"case", row.case_name}, {"level", row.mesh_level}, {"cells", row.cells}, {"series", openfoam_point}};
-    const bool known_u = finest_u.contains(row.case_name);
-    if (!row.drag_error && !known_u) {
-      time_high = std::max(time_high, row.total_s);
-      panel.cfd_unknown.push_back(point);
-      continue;
-    }
-    const double error = std::max(row.drag_error ? *row.drag_error : finest_u.at(row.case_name), smallest_error);
-    point["error"] = error;
-    point["meaning"] = row.drag_error ? "difference from the finest mesh" : "standard uncertainty of the finest mesh";
-    in_range(row.total_s, error);
-    panel.cfd.push_back(point);
-    // One case names the meshes of its panel; names of all would cover each other.
-    const auto most =
-        std::max_element(panel.meshes.begin(), panel.meshes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-    if (most->first == family_of(row)) panel.levels.push_back({{"seconds", row.total_s}, {"error", error}, {"text", row.mesh_level}});
-  }
-  const auto decade = [](double value, bool up) {
-    return std::pow(10.0, up ? std::ceil(std::log10(value) - 1e-9) : std::floor(std::log10(value) + 1e-9));
-  };
-  time_low = decade(0.8 * time_low, false), time_high = decade(4.0 * time_high, true);  // room for the names at both ends
-  error_low = decade(error_low, false), error_high = decade(error_high, true);
-
-  json x = quantitative("seconds", "time per evaluation; CPU time per case");
-  x["scale"] = {{"type", "log"}, {"domain", {time_low, time_high}}, {"nice", false}};
+  constexpr std::array<Panel, 3> panels = {
+      {{"rms error of the force", &RmsErrors::relative, 520}, {"of C_D", &RmsErrors::drag, 190}, {"of C_M", &RmsErrors::torque, 190}}};
+  const Ladder& ladder = report.cost;
+  if (ladder.rungs.empty()) return nullptr;
+  const std::vector<const Rung*> front = pareto_front(ladder.rungs);
+  double low = 1e-7, high = 1.0;
+  for (const Rung& rung : ladder.rungs) low = std::min(low, rung.seconds), high = std::max(high, rung.seconds);
+  low = std::pow(10.0, std::floor(std::log10(low))), high = std::pow(10.0, std::ceil(std::log10(high) + 0.3));
+  json x = quantitative("seconds", "CPU time of one evaluation");
+  x["scale"] = {{"type", "log"}, {"domain", {low, high}}, {"nice", false}};
   x["axis"] = {
       {"values", json::array()},
       {"labelFlush", false},
       {"labelExpr",
        "datum.value < 0.9e-6 ? format(datum.value*1e9, 'd')+' ns' : datum.value < 0.9e-3 ? format(datum.value*1e6, 'd')+' \u00b5s' : "
        "datum.value < 0.9 ? format(datum.value*1e3, 'd')+' ms' : format(datum.value, ',d')+' s'"}};
-  for (double tick = time_low; tick < 1.1 * time_high; tick *= 10)
-    if (std::lround(std::log10(tick)) % 2 == 0) x["axis"]["values"].push_back(tick);
-  json y = quantitative("error", nullptr);
-  y["scale"] = {{"type", "log"}, {"domain", {error_low, error_high}}, {"nice", false}};
-  json ticks = json::array();
-  for (double tick = error_low; tick < 1.1 * error_high; tick *= 10) ticks.push_back(tick);
-  std::vector<std::string> names = law_names(report);
-  names.push_back(openfoam_point);
-  const json colour = series_colour(names, "circle");
-  const json form = {
-      {"field", "pillow"},
+  const json colour = {
+      {"field", "kind"},
       {"type", "nominal"},
-      {"title", "pillow"},
-      {"scale", {{"domain", {"none", "triangle", "patch", "tilt"}}, {"range", {"circle", "triangle-up", "square", "diamond"}}}},
-      {"legend", {{"symbolStrokeColor", "#444"}, {"symbolFillColor", "transparent"}}}};
-  const json law_hint = {{{"field", "series"}},
-                         {{"field", "pillow"}},
-                         {{"field", "triangles"}},
-                         {{"field", "seconds"}, {"format", ".2e"}},
-                         {{"field", "error"}, {"format", ".4f"}}};
-  const json cfd_hint = {{{"field", "case"}},
-                         {{"field", "cells"}},
-                         {{"field", "seconds"}, {"format", ".1f"}},
-                         {{"field", "error"}, {"format", ".4f"}},
-                         {{"field", "meaning"}}};
+      {"title", nullptr},
+      {"scale", {{"domain", {"constant", "engine", "law", "CFD"}}, {"range", {"#e69f00", "#d55e00", "#0072b2", "#000000"}}}},
+      {"legend", {{"symbolType", "circle"}, {"symbolFillColor", "transparent"}}}};
+  const json hint = {{{"field", "rung"}},
+                     {{"field", "triangles"}, {"title", "triangles, cells"}, {"format", ",.0f"}},
+                     {{"field", "time"}},
+                     {{"field", "error"}, {"format", ".3f"}},
+                     {{"field", "poses"}}};
   json spec = base();
   spec["hconcat"] = json::array();
-  for (const auto& [shape, panel] : panels) {
-    y["axis"] = panel_axis("Error of C_D, " + shape);
-    y["axis"].update({{"format", "~g"}, {"values", ticks}});
-    json layers = json::array();
-    const auto add = [&](const json& values, const json& mark, const json& encoding) {
-      if (!values.empty()) layers.push_back({{"data", {{"values", values}}}, {"mark", mark}, {"encoding", encoding}});
+  for (const Panel& panel : panels) {
+    const bool main = panel.error == &RmsErrors::relative;
+    json points = json::array(), line = json::array();
+    double lowest = 1.0, highest = 0.0;
+    const auto point = [&](const Rung& rung) {
+      return json{{"seconds", rung.seconds},     {"error", rung.errors.*panel.error}, {"kind", rung.kind},  {"rung", rung.name},
+                  {"triangles", rung.triangles}, {"time", time_text(rung.seconds)},   {"poses", rung.poses}};
     };
-    add(panel.laws, {{"type", "point"}, {"size", 40}, {"strokeWidth", 1.4}, {"opacity", 0.9}},
-        {{"x", x}, {"y", y}, {"color", colour}, {"shape", form}, {"tooltip", law_hint}});
-    add(panel.cfd, {{"type", "point"}, {"fill", "black"}, {"size", 40}, {"opacity", 0.9}},
-        {{"x", x}, {"y", y}, {"color", colour}, {"tooltip", cfd_hint}});
-    add(panel.cfd_unknown, {{"type", "tick"}, {"orient", "vertical"}, {"thickness", 1.5}, {"size", 9}, {"yOffset", -4}, {"color", "black"}},
-        {{"x", x}, {"y", {{"datum", error_low}, {"type", "quantitative"}, {"axis", y["axis"]}}}, {"tooltip", cfd_hint}});
-    const json words = {{"field", "text"}};
-    add(panel.triangles, {{"type", "text"}, {"dy", 10}, {"fontSize", 10}, {"color", "#555"}},
-        {{"x", x}, {"y", {{"datum", error_high}, {"type", "quantitative"}, {"axis", y["axis"]}}}, {"text", words}});
-    add(panel.levels, {{"type", "text"}, {"dx", 6}, {"align", "left"}, {"fontSize", 10}, {"color", "#555"}},
-        {{"x", x}, {"y", y}, {"text", words}});
-    spec["hconcat"].push_back({{"width", 300}, {"height", 280}, {"layer", layers}});
+    for (const Rung& rung : ladder.rungs) {
+      if (!(rung.errors.*panel.error > 0.0)) continue;  // no place on a logarithmic axis
+      points.push_back(point(rung));
+      lowest = std::min(lowest, rung.errors.*panel.error), highest = std::max(highest, rung.errors.*panel.error);
+    }
+    for (const Rung* rung : front) line.push_back(point(*rung));
+    const double u = ladder.uncertainty.*panel.error, bottom = 0.7 * std::min(lowest, u);
+    json y = quantitative("error", nullptr);
+    y["scale"] = {{"type", "log"}, {"domain", {bottom, 1.3 * highest}}, {"nice", false}};
+    y["axis"] = panel_axis(panel.title);
+    y["axis"].update({{"format", main ? "~%" : "~g"}, {"tickCount", 6}});
+    json own_x = x;
+    for (double tick = low; tick < 1.1 * high; tick *= 10)
+      if (std::lround(std::log10(tick)) % (main ? 2 : 4) == 0) own_x["axis"]["values"].push_back(tick);
+    const auto layer = [](const json& values, const json& mark, const json& encoding) {
+      return json{{"data", {{"values", values}}}, {"mark", mark}, {"encoding", encoding}};
+    };
+    const json band = json::array({{{"low", bottom}, {"high", u}}});
+    json low_y = y;
+    low_y["field"] = "low";
+    json layers =
+        json::array({layer(band, {{"type", "rect"}, {"color", "#dddddd"}, {"opacity", 0.6}}, {{"y", low_y}, {"y2", {{"field", "high"}}}}),
+                     layer(line, {{"type", "line"}, {"interpolate", "step-after"}, {"color", "#888888"}, {"strokeWidth", 1.5}},
+                           {{"x", own_x}, {"y", y}}),
+                     layer(points, {{"type", "point"}, {"size", 45}, {"strokeWidth", 1.6}, {"opacity", 1}},
+                           {{"x", own_x}, {"y", y}, {"color", colour}, {"tooltip", hint}})});
+    if (main) {
+      // Names beside their points, none on top of another of the front: to the right of what is cheap, to the left of what is dear.
+      std::vector<const Rung*> named;
+      for (const Rung* rung : front)
+        if (named.empty() || rung->errors.relative < 0.85 * named.back()->errors.relative) named.push_back(rung);
+      for (const Rung& rung : ladder.rungs)
+        if (std::find(named.begin(), named.end(), &rung) == named.end() &&
+            (rung.kind == "engine" || rung.name == "k_omega_sst_ddes, medium"))
+          named.push_back(&rung);
+      json cheap = json::array(), dear = json::array();
+      for (const Rung* rung : named) (rung->kind == "CFD" ? dear : cheap).push_back(point(*rung));
+      for (const auto& [values, align, dx, dy] : {std::tuple(cheap, "left", 6, -6), std::tuple(dear, "right", -6, 10)})
+        layers.push_back(layer(values, {{"type", "text"}, {"align", align}, {"dx", dx}, {"dy", dy}, {"fontSize", 10.5}},
+                               {{"x", own_x}, {"y", y}, {"text", {{"field", "rung"}}}}));
+    }
+    spec["hconcat"].push_back({{"width", panel.width}, {"height", 320}, {"layer", layers}});
   }
-  spec["spacing"] = 64;
+  spec["spacing"] = 50;
   spec["bounds"] = "flush";
-  spec["resolve"] = {{"scale", {{"color", "shared"}, {"shape", "shared"}}}};
+  spec["resolve"] = {{"scale", {{"color", "shared"}}}};
   return spec;
 }
 
@@ -378,9 +369,13 @@ json cost_figure(const Report& report) {
 std::map<std::string, json> figures(const Report& report) {
   const std::vector<Sweep> list = sweeps(report);
   std::map<std::string, json> found;
+  std::map<const Sweep*, Curves> curves;
   for (const Sweep& sweep : list)
-    if (sweep.curve) found["sweep-" + sweep.slug()] = sweep_figure(report, sweep);
-  if (!found.empty()) found["drag_against_orientation"] = drag_figure(report, list);
+    if (sweep.curve) {
+      curves[&sweep] = curves_along(report, sweep);
+      found["sweep-" + sweep.slug()] = sweep_figure(report, sweep, curves.at(&sweep));
+    }
+  if (!found.empty()) found["drag_against_orientation"] = drag_figure(report, curves, list);
   for (auto& [name, spec] : {std::pair{"cost", cost_figure(report)}, std::pair{"face_pressure", face_pressure_figure(report)}})
     if (!spec.is_null()) found[name] = spec;
   return found;

@@ -13,6 +13,7 @@
 #include <set>
 #include <utility>
 
+#include "compare/cost/answers.hpp"
 #include "compare/reference/uncertainty.hpp"
 #include "compare/report/html.hpp"
 #include "compare/tables/note_table.hpp"
@@ -570,44 +571,38 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-std::string cost_section(const Report& report, const std::map<std::string, nlohmann::json>& specs) {
-  std::string text =
-      specs.contains("cost")
-          ? figure("cost",
-                   "Time against error of <i>C</i><sub>D</sub>. Open marks: one evaluation of a law on one thread, each on several meshes "
-                   "(triangles: the numbers along the upper edge), rms error over the "
-                   "orientations. Black points: one OpenFOAM case, |difference| of its <i>C</i><sub>D</sub> from the finest mesh of that "
-                   "case, or the standard uncertainty of the finest. Ticks on the lower "
-                   "edge: cases solved on one mesh alone, whose distance from mesh independence is not known. Errors below 0.0001 are "
-                   "drawn there.")
-          : "<p>No figure: the cost of the laws is measured against a calibration, which these references do not allow.</p>\n";
-  const std::vector<std::string> forms = {"none", "triangle", "patch", "tilt"};
-  Table times{.id = "time-table",
-              .caption =
-                  "Microseconds per evaluation, one thread, note's law. Without spin one point per triangle is exact; with spin the order "
-                  "of quadrature matters."};
-  times.head = {
-      {{"body", "text"}, {"triangles"}, {"without spin, by pillow form", "group", 4}, {"spinning, by points per triangle", "group", 3}},
-      {{"", "text"}, {""}, {"none"}, {"triangle"}, {"patch"}, {"tilt"}, {"1"}, {"3"}, {"6"}}};
-  std::vector<std::pair<std::string, int>> meshes;
-  for (const ModelCost& row : report.cost.models)
-    if (std::find(meshes.begin(), meshes.end(), std::pair{row.shape, row.triangles}) == meshes.end())
-      meshes.emplace_back(row.shape, row.triangles);
-  for (const auto& [shape, triangles] : meshes) {
-    std::vector<Cell> cells = {{escape(shape), "text"}, {html::count(triangles)}};
-    const auto add = [&](const std::string& pillow, int order, double ModelCost::*time) {
-      for (const ModelCost& row : report.cost.models)
-        if (row.shape == shape && row.triangles == triangles && row.law == "note" && row.pillow == pillow && row.quadrature == order) {
-          cells.push_back({html::magnitude(row.*time)});
-          return;
-        }
-      cells.push_back({"\u2013", "faint"});
-    };
-    for (const std::string& form : forms) add(form, 1, &ModelCost::microseconds);
-    for (const int order : {1, 3, 6}) add("none", order, &ModelCost::spinning_microseconds);
-    times.rows.push_back(cells);
+/// A table for a terminal as one for the page.
+std::string html_of(const CostTable& shown) {
+  Table table{.id = shown.id, .caption = escape(shown.caption + "." + (shown.note.empty() ? "" : " " + shown.note))};
+  for (std::size_t i = 0; i < shown.grid.rows.size(); ++i) {
+    std::vector<Cell> cells;
+    for (std::size_t k = 0; k < shown.grid.rows[i].size(); ++k) {
+      const std::string& cell = shown.grid.rows[i][k];
+      cells.push_back({i == 0 && cell.starts_with("C_") ? html::symbol(cell) : escape(cell), k == 0 ? "text" : ""});
+    }
+    (i == 0 ? table.head : table.rows).push_back(cells);
   }
-  if (!times.rows.empty()) text += times.text();
+  return table.text();
+}
+
+std::string cost_section(const Report& report, const std::map<std::string, nlohmann::json>& specs) {
+  std::string text;
+  if (specs.contains("cost")) {
+    for (std::string words = answer(report.cost); !words.empty();) {
+      const auto end = words.find('\n');
+      text += "<p>" + escape(words.substr(0, end)) + "</p>\n";
+      words.erase(0, end + 1);
+    }
+    text +=
+        figure("cost",
+               "CPU time of one evaluation against rms error, every rung on the same poses. Grey band: one standard uncertainty of the "
+               "references, what their equations leave open included; CFD is shown with the error of its mesh. Grey line and names: the "
+               "rungs that nothing cheaper is as near as.");
+    for (const CostTable& table : cost_tables(report.cost)) text += html_of(table);
+    text += html_of(all_rungs(report.cost));
+  } else {
+    text = "<p>No figure: there is no turbulent case at Re \u2265 10\u2074 to hold a law against.</p>\n";
+  }
 
   Table solver_cost{.id = "cfd-cost-table",
                     .caption =
@@ -625,7 +620,8 @@ std::string cost_section(const Report& report, const std::map<std::string, nlohm
                        {"total"},
                        {"|\u0394<i>C</i><sub>D</sub>|"}}};
   std::map<std::tuple<std::string, double, std::string>, std::vector<const CfdCost*>> levels;
-  for (const CfdCost& row : report.cost.cfd) levels[{row.shape, -row.reynolds, row.mesh_level}].push_back(&row);
+  const std::vector<CfdCost> costs = cfd_costs(report.reference.cases);
+  for (const CfdCost& row : costs) levels[{row.shape, -row.reynolds, row.mesh_level}].push_back(&row);
   std::vector<std::vector<const CfdCost*>> groups;
   for (auto& [key, rows] : levels) groups.push_back(rows);
   std::stable_sort(groups.begin(), groups.end(), [](const auto& a, const auto& b) {

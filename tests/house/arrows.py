@@ -199,7 +199,7 @@ def prove(root):
         "cfd_cases/mesh includes dragcore/include/dragcore/drag.hpp": append(
             "cfd_cases/mesh/cell_count.cpp", "#include <dragcore/drag.hpp>"),
         "dragcore/src/body includes compare/": append("dragcore/src/body/pose.cpp", '#include "compare/case_record/case_record.hpp"'),
-        "is private to dragcore": append("compare/calibration/cost.cpp", '#include "dragcore/src/drag/check.hpp"'),
+        "is private to dragcore": append("compare/calibration/prediction.cpp", '#include "dragcore/src/drag/check.hpp"'),
         "'no_such.hpp', which is not there": append("compare/gate/gate.cpp", '#include "no_such.hpp"'),
         "compare/attic/attic.cpp: in no room": append("compare/attic/attic.cpp", "int attic;"),
         "dragcore/nowhere.hpp: in no room": append(f"{PUBLIC}/nowhere.hpp", "#pragma once"),

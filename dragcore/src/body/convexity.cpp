@@ -1,6 +1,7 @@
 #include "body/convexity.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "body/edges.hpp"
@@ -32,18 +33,27 @@ class Convexity {
   /// Of fine meshes every so many triangles: a dent has many of them.
   bool nothing_rises_from_afar() const {
     const std::size_t stride = 1 + triangles_.size() / 20000;
-    std::vector<Vector3d> normals;
-    for (std::size_t i = 0; i < triangles_.size(); i += stride) normals.push_back(normal_of(triangles_[i]));
+    const auto count = static_cast<Eigen::Index>(1 + (triangles_.size() - 1) / stride);
+    const Vector3d origin = at(triangles_[0][0]);
+    Eigen::MatrixX3d normals(count, 3);
+    Eigen::VectorXd height(count);  // of each plane over `origin`
+    std::vector<int> corners;
+    for (Eigen::Index n = 0; n < count; ++n) {
+      const Vector3i& t = triangles_[static_cast<std::size_t>(n) * stride];
+      normals.row(n) = normal_of(t).transpose();
+      height[n] = normals.row(n).dot((at(t[0]) - origin).transpose());
+      corners.insert(corners.end(), t.begin(), t.end());
+    }
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    Eigen::MatrixX3d places(static_cast<Eigen::Index>(corners.size()), 3);  // from `origin`
+    for (std::size_t i = 0; i < corners.size(); ++i) places.row(static_cast<Eigen::Index>(i)) = (at(corners[i]) - origin).transpose();
     constexpr int directions = 200;
     for (int k = 0; k < directions; ++k) {  // a spiral from pole to pole
       const double z = (2.0 * k + 1.0) / directions - 1.0, r = std::sqrt(1.0 - z * z), turn = 2.399963229728653 * k;
-      const Vector3d direction(r * std::cos(turn), r * std::sin(turn), z);
-      Vector3d outermost = at(triangles_[0][0]);
-      for (std::size_t i = 0; i < triangles_.size(); i += stride)
-        for (const int corner : triangles_[i])
-          if (direction.dot(at(corner) - outermost) > 0.0) outermost = at(corner);
-      for (std::size_t n = 0; n < normals.size(); ++n)
-        if (normals[n].dot(outermost - at(triangles_[n * stride][0])) > tolerance_) return false;
+      Eigen::Index outermost = 0;
+      (places * Vector3d(r * std::cos(turn), r * std::sin(turn), z)).maxCoeff(&outermost);
+      if ((normals * places.row(outermost).transpose() - height).maxCoeff() > tolerance_) return false;
     }
     return true;
   }

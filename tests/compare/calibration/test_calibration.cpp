@@ -3,7 +3,6 @@
 #include <numbers>
 
 #include "compare/calibration/calibration.hpp"
-#include "compare/calibration/cost.hpp"
 #include "compare/calibration/prediction.hpp"
 #include "compare/reference/coefficients.hpp"
 
@@ -97,38 +96,6 @@ TEST_CASE("the force arm is the distance of the line of action, signed like the 
   REQUIRE(arm);
   CHECK_THAT(*arm, WithinAbs(0.25, 1e-15));
   CHECK_FALSE(force_arm(record, Eigen::Vector3d::Zero(), Eigen::Vector3d(0, 1, 0)));
-}
-
-TEST_CASE("the cost table has an error of zero for the model that made the references, and every mesh level", "[compare][cost]") {
-  const dragcore::Model truth{.law = dragcore::note_law()};
-  std::vector<CaseRecord> records = campaign(truth);
-  CaseRecord fine = records[4];
-  fine.mesh_level = "fine";
-  fine.name.replace(fine.name.find("medium"), 6, "fine");
-  fine.cells *= 3;
-  fine.load.force_pressure.x() += 0.05;  // q A_ref = 1/2: C_D changes by twice as much
-  fine.cost["solve"] = {40.0, 41.0};
-  records[4].load.force_pressure.x() += 0.07;
-  records.push_back(fine);
-  const CostTable table = measure_cost(records, calibrate(records), true);
-  int exact = 0;
-  for (const ModelCost& row : table.models) {
-    CHECK(row.microseconds > 0.0);
-    CHECK(row.triangles > 0);
-    if (row.shape == "plate" && row.law == "note" && row.pillow == "none") {
-      CHECK(row.rms_drag_error < 1e-12);
-      ++exact;
-    }
-  }
-  CHECK(exact == 6);  // two meshes, three orders
-  REQUIRE(table.cfd.size() == 13);
-  for (const CfdCost& row : table.cfd)
-    if (row.drag_error) {
-      CHECK(row.mesh_level == "medium");
-      CHECK_THAT(*row.drag_error, WithinAbs(0.04, 1e-12));
-    } else if (row.finest) {
-      CHECK_THAT(row.total_s, WithinAbs(40.0, 1e-12));
-    }
 }
 
 TEST_CASE("the laws by class are found again from references that they made", "[compare][calibration][analytic]") {

@@ -26,6 +26,15 @@ with tempfile.TemporaryDirectory() as folder:
     assert "nothing changed" in run(*collect, code=0).stdout
     assert open("results/reference.h5", "rb").read() == before
 
+    # What accuracy costs: an answer first; a wanted error that is no number, or a body that nobody has, is said so.
+    words = run("cost", "--quick", code=0).stdout
+    assert words.startswith("Nearest without CFD: ") and "Half the error of" in words and "C_D of the body" in words, words
+    assert "nothing that was measured reaches it" in run("cost", "--quick", "--target", "0.01%", "--body", "cone", code=0).stdout
+    assert "reached by a law" in run("cost", "--quick", "--target", "100", code=0).stdout
+    assert json.loads(run("cost", "--quick", "--target", "100%", "--json", code=0).stdout)["target"]["cheapest_law"]["name"]
+    assert "such as 2%" in run("cost", "--target", "little", code=2).stderr
+    assert "known are" in run("cost", "--quick", "--body", "wing", code=2).stderr
+
     # Mesh files: a sound one is described, a cut one is refused by name.
     with open("box.obj", "w") as box:
         box.write("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
