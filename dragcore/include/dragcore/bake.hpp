@@ -11,7 +11,7 @@
 
 namespace dragcore {
 
-/// Rows of eight floats over the sphere of directions: force coefficients x y z, torque coefficients x y z, two zeros.
+/// Rows of eight floats over the sphere of directions: force coefficients x y z, 0, torque coefficients x y z, 0.
 ///
 /// Every face of an octahedron is cut into frequency^2 triangles, and values are linear over each: continuous, also over the octahedron's
 /// edges. These lie where the faces of a box along the axes stand edge-on, so that the kinks which laws have there cost nothing.

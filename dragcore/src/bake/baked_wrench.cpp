@@ -1,6 +1,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <dragcore/bake.hpp>
 #include <stdexcept>
 #include <string>
@@ -18,19 +20,22 @@ using Row = Eigen::Array<float, 8, 1>;
 // Square of a speed [m^2/s^2] below which nothing moves: what it does is no normal number.
 constexpr double still = 1e-280;
 
+/// 1, or -1 of what has a minus.
+int sign(double x) { return 1 - 2 * static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 63); }
+
 /// @param direction  any length; the sum of the absolute components must be a normal number
-DirectionMap::Sample sample(const DirectionMap& map, const Vector3d& direction) {
+[[gnu::always_inline]] inline DirectionMap::Sample sample(const DirectionMap& map, const Vector3d& direction) {
   // Without branches: directions are often random, and a branch guessed wrong costs more than all of this.
   const double scale = map.frequency / (std::abs(direction.x()) + std::abs(direction.y()) + std::abs(direction.z()));
   // The lower half is folded out over the diagonals of the square, on which z = 0: (x, y) -> (1 - y, 1 - x).
-  const double fold = std::max(-direction.z(), 0.0);
+  const double fold = 0.5 * (std::abs(direction.z()) - direction.z());
   const double across = scale * (std::abs(direction.x()) + fold), up = scale * (std::abs(direction.y()) + fold);
   const int i = std::min(static_cast<int>(across), map.frequency - 1), j = std::min(static_cast<int>(up), map.frequency - 1);
   const float a = static_cast<float>(across - i), b = static_cast<float>(up - j);
   // Cells are cut along the same diagonals, so that no triangle lies on both sides of z = 0. Its third corner is the one to which `rest`
   // belongs: the cell's inner one, or, where `rest` is negative, the outer one.
   const float rest = 1.0f - a - b, beyond = std::min(rest, 0.0f);
-  const int column = 1 - 2 * (direction.x() < 0.0), row = map.side() * (1 - 2 * (direction.y() < 0.0));
+  const int column = sign(direction.x()), row = map.side() * sign(direction.y());
   const int corner = map.frequency * (map.side() + 1) + i * column + j * row;
   return {{corner + (rest < 0.0f) * (column + row), corner + column, corner + row}, {std::abs(rest), a + beyond, b + beyond}};
 }
@@ -50,7 +55,8 @@ struct RelativeMotion {
 };
 
 RelativeMotion relative_motion(const BakedBody& body, const Motion& motion) {
-  require(motion.triangle_wind.empty(), "baked wrench: entries of motion.triangle_wind", motion.triangle_wind.size(),
+  if (!motion.triangle_wind.empty()) [[unlikely]]
+    require(false, "baked wrench: entries of motion.triangle_wind", motion.triangle_wind.size(),
           "a map knows no triangles: give wind at the reference point, or call wrench() of the surface");
   RelativeMotion relative{motion.wind - motion.velocity, motion.angular_velocity, body.centre - motion.reference_point};
   const Eigen::Matrix3d& G = motion.wind_gradient;
@@ -81,8 +87,9 @@ Loads loads(const BakedBody& body, const Vector3d& u, const Vector3d& turned) {
   // In units of both squares, coefficients are of order 1 whatever the speed, and floats serve.
   const double size2 = flow2 + turned2;
   Row sum = Row::Zero();
-  if (flows && !turns) {
-    add<1>(sum, body.steady, sample(body.steady, u), {1.0f});
+  if (flows && !turns) [[likely]] {
+    const DirectionMap::Sample at = sample(body.steady, u);
+    for (int corner = 0; corner < 3; ++corner) sum += at.weight[corner] * Eigen::Map<const Row>(body.steady.row(at.node[corner], 0));
   } else if (flows || turns) {
     const double flow = std::sqrt(flow2), fast = std::sqrt(turned2), size = std::sqrt(size2);
     const Eigen::Vector3f by_flow = (turned2 / (size2 * (size + flow)) * u).cast<float>(),
@@ -94,7 +101,7 @@ Loads loads(const BakedBody& body, const Vector3d& u, const Vector3d& turned) {
     add<4>(sum, body.tumble, sample(body.tumble, turned),
            {static_cast<float>(turned2 / size2), by_flow.x(), by_flow.y(), by_flow.z()});
   }
-  Loads found{sum.head<3>().matrix().cast<double>(), sum.segment<3>(3).matrix().cast<double>()};
+  Loads found{sum.head<3>().matrix().cast<double>(), sum.segment<3>(4).matrix().cast<double>()};
   // The air takes energy: (force, torque) . (u, -spin) >= 0. Left is a billionth of what it might be, more than rounding can turn.
   const double taken = found.force.dot(u) - found.torque.dot(turned);
   const double most2 = size2 * (found.force.squaredNorm() + found.torque.squaredNorm());
