@@ -70,8 +70,8 @@ struct BakedBody {
   bool matches(const Surface& surface, const Model& model) const;
 };
 
-/// Evaluates the model over directions and keeps the result. The frequency of `steady` is the smallest of 2, 3, 4, 6, 8, 12, ... 128 whose
-/// measured rms error is what is wanted.
+/// Evaluates the model over directions and keeps the result. The frequency of `steady` is the smallest of 2, 3, ... 8, 10, ... 20, 24, ... 128
+/// whose measured rms error is what is wanted.
 ///
 /// Everything that a uniform motion of air and body has to do with is baked. Winds by triangle and rates of strain are not: their number is
 /// not bounded, or their effect not nearly linear; nor is a body that deforms, whose surface is another one every step.

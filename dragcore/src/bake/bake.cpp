@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr std::array frequencies = {2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128};
+constexpr std::array frequencies = {2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24, 28, 32, 40, 48, 56, 64, 80, 96, 112, 128};
 constexpr int steady_samples = 2000, spin_samples = 300;
 // Slopes are secants over this share of the larger speed to either side. Wider than a tangent: they serve beside it, too, and faces edge-on,
 // where slopes jump, give the mean of both. Balls want the second wide, plates both narrow: at a spin ratio of 1 the error of a ball falls

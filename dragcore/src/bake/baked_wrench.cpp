@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <dragcore/bake.hpp>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -86,14 +87,17 @@ Loads loads(const BakedBody& body, const Vector3d& u, const Vector3d& turned) {
   const bool flows = flow2 > still, turns = turned2 > still;
   // In units of both squares, coefficients are of order 1 whatever the speed, and floats serve.
   const double size2 = flow2 + turned2;
+  // 1e100 is what wrench() takes of a speed. Whatever is larger, or no number, has no place on a map.
+  if (!(size2 <= 1e200)) [[unlikely]]
+    return {Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()), Vector3d::Zero()};
   Row sum = Row::Zero();
   if (flows && !turns) [[likely]] {
     const DirectionMap::Sample at = sample(body.steady, u);
     for (int corner = 0; corner < 3; ++corner) sum += at.weight[corner] * Eigen::Map<const Row>(body.steady.row(at.node[corner], 0));
   } else if (flows || turns) {
     const double flow = std::sqrt(flow2), fast = std::sqrt(turned2), size = std::sqrt(size2);
-    const Eigen::Vector3f by_flow = (turned2 / (size2 * (size + flow)) * u).cast<float>(),
-                          by_spin = (flow2 / (size2 * (size + fast)) * turned).cast<float>();
+    const Eigen::Vector3f by_flow = (turned2 / size2 / (size + flow) * u).cast<float>(),
+                          by_spin = (flow2 / size2 / (size + fast) * turned).cast<float>();
     if (flows) {
       add<1>(sum, body.steady, sample(body.steady, u), {static_cast<float>(flow2 / size2)});
       add<3>(sum, body.rate, sample(body.rate, u), {by_spin.x(), by_spin.y(), by_spin.z()});
@@ -129,8 +133,7 @@ bool finite(const Wrench& w) { return std::isfinite(w.force.sum() + w.torque.sum
 
 [[noreturn]] void not_finite(const std::string& entry) {
   throw std::invalid_argument("baked wrench" + entry +
-                              ": the result is not finite; wind, velocity, spin and reference point must be finite, and sizes those of bodies "
-                              "and air");
+                              ": the result is not finite; wind, velocity, spin and reference point must be finite, and speeds below 1e100 m/s");
 }
 
 }  // namespace

@@ -83,7 +83,8 @@ static void NAME_add(double sum[6], const float* map, int frequency, int columns
 }
 
 /* Force [N] and torque about the centre (CENTRE) [N m], body frame.
- * flow: velocity of the air relative to the body at the centre [m/s]; spin: of the body relative to the air [rad/s]; density [kg/m^3]. */
+ * flow: velocity of the air relative to the body at the centre [m/s]; spin: of the body relative to the air [rad/s]; density [kg/m^3].
+ * Nothing is felt where they are not finite. */
 static void NAME_wrench(const double flow[3], const double spin[3], double density, double force[3], double torque[3]) {
   const double length = LENGTH, still = 1e-280; /* no direction where a square is no normal number */
   double turned[3], sum[6] = {0, 0, 0, 0, 0, 0}, flow2 = 0, turned2 = 0, size2, taken = 0, most = 0, scale;
@@ -95,7 +96,7 @@ static void NAME_wrench(const double flow[3], const double spin[3], double densi
     force[k] = torque[k] = 0;
   }
   size2 = flow2 + turned2;
-  if (!(flow2 > still) && !(turned2 > still)) return;
+  if (!(size2 > still && size2 < 1e200)) return;
 SUMS  /* The air takes energy: what the map errs to the other side is given back along the motion. */
   for (k = 0; k < 3; ++k) {
     taken += sum[k] * flow[k] - sum[3 + k] * turned[k];
@@ -117,7 +118,7 @@ constexpr const char* c_sums_straight = R"(  {
 )";
 constexpr const char* c_sums_spinning = R"(  {
     const double fast = sqrt(turned2), speed = sqrt(flow2), size = sqrt(size2), of_flow = flow2 / size2;
-    const double by_spin = flow2 / (size2 * (size + fast)), by_flow = turned2 / (size2 * (size + speed));
+    const double by_spin = of_flow / (size + fast), by_flow = turned2 / size2 / (size + speed);
     const double slope[3] = {by_spin * turned[0], by_spin * turned[1], by_spin * turned[2]};
     const double tumble[4] = {turned2 / size2, by_flow * flow[0], by_flow * flow[1], by_flow * flow[2]};
     if (flow2 > still) {
