@@ -24,7 +24,7 @@ BakedBody baked(const Shape& shape, int divisions, const BakeOptions& options = 
 /// The largest map of a size: 0 asks for the smallest error.
 std::size_t bytes_for(int frequency) {
   const std::size_t side = 2 * static_cast<std::size_t>(frequency) + 1;
-  return 32 * side * side + 32 * 7 * 81;  // and the two maps for spin, of frequency 4
+  return 32 * side * side + 32 * 7 * 49;  // and the two maps for spin, of frequency 3
 }
 
 double distance(const Wrench& a, const Wrench& b) { return (a.force - b.force).norm() + (a.torque - b.torque).norm(); }

@@ -83,7 +83,7 @@ TEST_CASE("a file that is no baked body is refused by name", "[bake][io][hard]")
   wrong.rate.columns = 2;  // a map of another shape
   wrong.rate.values.resize(wrong.rate.values.size() / 3 * 2);
   write_baked(folder.path / "shape.h5", wrong);
-  CHECK_THROWS_WITH(read_baked(folder.path / "shape.h5"), Contains("dataset rate has shape [9, 9, 2, 8]"));
+  CHECK_THROWS_WITH(read_baked(folder.path / "shape.h5"), Contains("dataset rate has shape [7, 7, 2, 8]"));
   wrong = body;
   wrong.length = 0.0;
   write_baked(folder.path / "length.h5", wrong);
