@@ -81,7 +81,8 @@ void print(const BakeCommand& options, const Body& body, const dragcore::BakedBo
     errors(fmt::format("spin ratio {:g}", baked.spin_ratios[k]), baked.spin_error[k]);
   fmt::print("  {:<16} {:.1f} ns a call, {:.1f} ns with spin\n", "time", nanoseconds(baked, false), nanoseconds(baked, true));
   fmt::print(
-      "Errors of force are shares of its rms over the directions, those of torque of that times {} m. Spin ratio: spin times that, over speed.\n",
+      "Errors of force are shares of its rms over the directions, those of torque of that times {} m. Spin ratio: spin times that, over "
+      "speed.\n",
       text(baked.length));
 }
 
@@ -89,7 +90,8 @@ void print(const BakeCommand& options, const Body& body, const dragcore::BakedBo
 
 void add_bake(CLI::App& app, Context&) {
   const auto options = std::make_shared<BakeCommand>();
-  CLI::App* command = app.add_subcommand("bake", "Force and torque of a body over direction as a small map, which costs the same for any mesh");
+  CLI::App* command =
+      app.add_subcommand("bake", "Force and torque of a body over direction as a small map, which costs the same for any mesh");
   command->footer(
       "A map replaces the mesh in a game: docs/baking.md. A .h5 file is for dragcore::read_baked(), a .h file for any C program.\n"
       "Example: dragval bake body.stl --unit mm --error 1% --output body.h");

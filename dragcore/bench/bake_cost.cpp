@@ -1,5 +1,5 @@
-// What a baked body costs, in bytes, error and time, against wrench() of the same model: a Markdown table on stdout. Times are of one thread,
-// the best of nine runs on the machine at hand; errors are the same on every run.
+// What a baked body costs, in bytes, error and time, against wrench() of the same model: a Markdown table on stdout. Times are of one
+// thread, the best of nine runs on the machine at hand; errors are the same on every run.
 
 #include <algorithm>
 #include <chrono>
@@ -47,11 +47,16 @@ int main() {
     Shape shape;
     int divisions;
   };
-  const Body bodies[] = {{"cube", Box{}, 1},       {"box 2 : 1 : 0.6", Box{2.0, 1.0, 0.6}, 4}, {"prism", Prism{1.0, 0.8, 0.7}, 8},
-                         {"sheet", Plate{1.0, 1.0, 0.0}, 8}, {"cone", Cone{}, 10},                       {"ball", Sphere{}, 16},
+  const Body bodies[] = {{"cube", Box{}, 1},
+                         {"box 2 : 1 : 0.6", Box{2.0, 1.0, 0.6}, 4},
+                         {"prism", Prism{1.0, 0.8, 0.7}, 8},
+                         {"sheet", Plate{1.0, 1.0, 0.0}, 8},
+                         {"cone", Cone{}, 10},
+                         {"ball", Sphere{}, 16},
                          {"teardrop", Teardrop{}, 12}};
   std::printf(
-      "| body, triangles | wanted | KiB | force, rms | worst | torque, rms | worst | at spin 0.1, rms | 0.3 | 1 | call, ns | batch | with spin "
+      "| body, triangles | wanted | KiB | force, rms | worst | torque, rms | worst | at spin 0.1, rms | 0.3 | 1 | call, ns | batch | with "
+      "spin "
       "| `wrench()`, ns | with spin |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const Body& one : bodies) {
     const Surface surface(triangulate(one.shape, one.divisions));
@@ -62,7 +67,8 @@ int main() {
     double truth[2];
     for (const bool spins : {false, true})
       truth[spins] = nanoseconds(few, [&] {
-        for (int k = 0; k < few; ++k) sink += wrench(surface, (spins ? spinning : straight)[static_cast<std::size_t>(k % 1000)], {}, model).total().force.x();
+        for (int k = 0; k < few; ++k)
+          sink += wrench(surface, (spins ? spinning : straight)[static_cast<std::size_t>(k % 1000)], {}, model).total().force.x();
       });
     for (const double wanted : {0.05, 0.02, 0.01, 0.003}) {
       const BakedBody body = bake(surface, model, {.rms_error = wanted, .most_bytes = 4u << 20});
@@ -80,10 +86,12 @@ int main() {
                      for (int k = 0; k < 20; ++k) wrenches(body, spinning, {}, results);
                      sink += results[7].force.x();
                    });
-      std::printf("| %s, %td | %g %% | %.0f | %.2f %% | %.2f %% | %.2f %% | %.2f %% | %.1f %% | %.1f %% | %.1f %% | %.1f | %.1f | %.1f | %.0f | %.0f |\n",
-                  one.name, surface.size(), 100 * wanted, static_cast<double>(body.bytes()) / 1024, 100 * body.error.rms_force,
-                  100 * body.error.worst_force, 100 * body.error.rms_torque, 100 * body.error.worst_torque, 100 * body.spin_error[0].rms(),
-                  100 * body.spin_error[1].rms(), 100 * body.spin_error[2].rms(), call, batch, turning, truth[0], truth[1]);
+      std::printf(
+          "| %s, %td | %g %% | %.0f | %.2f %% | %.2f %% | %.2f %% | %.2f %% | %.1f %% | %.1f %% | %.1f %% | %.1f | %.1f | %.1f | %.0f | "
+          "%.0f |\n",
+          one.name, surface.size(), 100 * wanted, static_cast<double>(body.bytes()) / 1024, 100 * body.error.rms_force,
+          100 * body.error.worst_force, 100 * body.error.rms_torque, 100 * body.error.worst_torque, 100 * body.spin_error[0].rms(),
+          100 * body.spin_error[1].rms(), 100 * body.spin_error[2].rms(), call, batch, turning, truth[0], truth[1]);
     }
   }
   std::printf("\nsum of all forces along x, for comparison: %.6g\n", sink);

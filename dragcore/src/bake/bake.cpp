@@ -1,8 +1,8 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <dragcore/bake.hpp>
-#include <Eigen/Geometry>
 #include <functional>
 #include <numbers>
 #include <sstream>
@@ -18,9 +18,9 @@ namespace {
 
 constexpr std::array frequencies = {2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24, 28, 32, 40, 48, 56, 64, 80, 96, 112, 128};
 constexpr int steady_samples = 2000, spin_samples = 300;
-// Slopes are secants over this share of the larger speed to either side. Wider than a tangent: they serve beside it, too, and faces edge-on,
-// where slopes jump, give the mean of both. Balls want the second wide, plates both narrow: at a spin ratio of 1 the error of a ball falls
-// from 21 to 14 % between 0.1 and 0.2, and that of a plate grows from 8.4 to 8.8 %.
+// Slopes are secants over this share of the larger speed to either side. Wider than a tangent: they serve beside it, too, and faces
+// edge-on, where slopes jump, give the mean of both. Balls want the second wide, plates both narrow: at a spin ratio of 1 the error of a
+// ball falls from 21 to 14 % between 0.1 and 0.2, and that of a plate grows from 8.4 to 8.8 %.
 constexpr double by_spin = 0.1, by_flow = 0.2;
 // Of the maps for spin. With 4 their errors at spin ratios of 0.3 and 1 are up to a tenth smaller, and the maps by two thirds larger; more
 // changes nothing, for most of the error is that of the slopes themselves.
@@ -81,7 +81,8 @@ std::vector<Vector6d> slopes(double step, const std::function<Vector6d(const Vec
 }
 
 DirectionMap rate_map(const Truth& truth) {
-  return sampled(spin_frequency, 3, [&](const Vector3d& u) { return slopes(by_spin, [&](const Vector3d& turned) { return truth(u, turned); }); });
+  return sampled(spin_frequency, 3,
+                 [&](const Vector3d& u) { return slopes(by_spin, [&](const Vector3d& turned) { return truth(u, turned); }); });
 }
 
 DirectionMap tumble_map(const Truth& truth) {
@@ -142,7 +143,8 @@ class Hash {
 
 std::uint64_t hash_of(const Surface& surface) {
   Hash hash;
-  for (const Eigen::ArrayX3d* array : {&surface.normal, &surface.centroid, &surface.edge_ab, &surface.edge_ac}) hash.add_all(array->reshaped());
+  for (const Eigen::ArrayX3d* array : {&surface.normal, &surface.centroid, &surface.edge_ab, &surface.edge_ac})
+    hash.add_all(array->reshaped());
   for (const Eigen::ArrayXd* array : {&surface.area, &surface.back}) hash.add_all(array->reshaped());
   for (const auto* tensors : {&surface.second_moment, &surface.curvature}) hash.add_all(tensors->reshaped());
   hash.add_all(surface.part);
@@ -182,9 +184,15 @@ std::string described(const Law& law, const Pillow& pillow) {
   };
   polynomial("windward", law.windward);
   polynomial("leeward", law.leeward);
-  for (const auto& [name, value] : {std::pair{"friction", law.friction}, {"base suction", law.base_suction}, {"base edge", law.base_edge},
-                                    {"aspect gain", law.aspect_gain}, {"aspect scale", law.aspect_scale}, {"recovery", law.recovery},
-                                    {"recovery depth", law.recovery_depth}, {"recovery edge", law.recovery_edge}, {"shelter", law.shelter},
+  for (const auto& [name, value] : {std::pair{"friction", law.friction},
+                                    {"base suction", law.base_suction},
+                                    {"base edge", law.base_edge},
+                                    {"aspect gain", law.aspect_gain},
+                                    {"aspect scale", law.aspect_scale},
+                                    {"recovery", law.recovery},
+                                    {"recovery depth", law.recovery_depth},
+                                    {"recovery edge", law.recovery_edge},
+                                    {"shelter", law.shelter},
                                     {"curvature", law.curvature}})
     text << ", " << name << " " << value;
   text << "; pillow " << to_string(pillow.form);
@@ -215,7 +223,8 @@ bool BakedBody::matches(const Surface& surface, const Model& given) const {
 }
 
 BakedBody bake(const Surface& surface, const Model& model, const BakeOptions& options) {
-  require(options.rms_error >= 0.0 && options.rms_error < 1.0, "bake: rms_error", options.rms_error, "it must be from 0 to below 1; 0.01 is 1 %");
+  require(options.rms_error >= 0.0 && options.rms_error < 1.0, "bake: rms_error", options.rms_error,
+          "it must be from 0 to below 1; 0.01 is 1 %");
   require(surface.size() > 0, "bake: triangles of the surface", surface.size(), "at least one with an area is needed");
   BakedBody body{.centre = surface.centre,
                  .area = surface.total_area,

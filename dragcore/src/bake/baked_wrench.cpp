@@ -58,15 +58,16 @@ struct RelativeMotion {
 RelativeMotion relative_motion(const BakedBody& body, const Motion& motion) {
   if (!motion.triangle_wind.empty()) [[unlikely]]
     require(false, "baked wrench: entries of motion.triangle_wind", motion.triangle_wind.size(),
-          "a map knows no triangles: give wind at the reference point, or call wrench() of the surface");
+            "a map knows no triangles: give wind at the reference point, or call wrench() of the surface");
   RelativeMotion relative{motion.wind - motion.velocity, motion.angular_velocity, body.centre - motion.reference_point};
   const Eigen::Matrix3d& G = motion.wind_gradient;
   if (G.cwiseAbs().sum() != 0.0) {
     const double strain = 0.5 * (G + G.transpose()).norm();
     // 1e-9: the rounding of a gradient that was turned into the body frame.
-    require(strain <= 1e-9 * G.norm(), "baked wrench: rate of strain of motion.wind_gradient", strain,
-            "only its turning part is baked, so it must be 0 [1/s]: leave the symmetric part out where it matters little, or call wrench() of "
-            "the surface");
+    require(
+        strain <= 1e-9 * G.norm(), "baked wrench: rate of strain of motion.wind_gradient", strain,
+        "only its turning part is baked, so it must be 0 [1/s]: leave the symmetric part out where it matters little, or call wrench() of "
+        "the surface");
     require(body.tumble.frequency > 0, "baked wrench: motion.wind_gradient of norm", G.norm(),
             "this map was baked without Effect::spin, and knows uniform winds only");
     relative.spin -= 0.5 * Vector3d(G(2, 1) - G(1, 2), G(0, 2) - G(2, 0), G(1, 0) - G(0, 1));
@@ -102,8 +103,7 @@ Loads loads(const BakedBody& body, const Vector3d& u, const Vector3d& turned) {
       add<1>(sum, body.steady, sample(body.steady, u), {static_cast<float>(flow2 / size2)});
       add<3>(sum, body.rate, sample(body.rate, u), {by_spin.x(), by_spin.y(), by_spin.z()});
     }
-    add<4>(sum, body.tumble, sample(body.tumble, turned),
-           {static_cast<float>(turned2 / size2), by_flow.x(), by_flow.y(), by_flow.z()});
+    add<4>(sum, body.tumble, sample(body.tumble, turned), {static_cast<float>(turned2 / size2), by_flow.x(), by_flow.y(), by_flow.z()});
   }
   Loads found{sum.head<3>().matrix().cast<double>(), sum.segment<3>(4).matrix().cast<double>()};
   // The air takes energy: (force, torque) . (u, -spin) >= 0. Left is a billionth of what it might be, more than rounding can turn.
@@ -115,6 +115,72 @@ Loads loads(const BakedBody& body, const Vector3d& u, const Vector3d& turned) {
   }
   return {size2 * found.force, size2 * found.torque};
 }
+
+/// Bodies that fly straight, block by block: each step is a loop of its own that the compiler turns into vectors.
+class StraightBlock {
+ public:
+  static constexpr int size = 16;
+
+  /// False where something is not as simple as that: nothing is done, and the entries are to be evaluated one by one.
+  bool evaluate(const BakedBody& body, const Motion* motions, double density, Wrench* results) {
+    return read(motions) && evaluate_read(body, motions, density, results);
+  }
+
+ private:
+  bool read(const Motion* motions) {
+    std::uint64_t other = 0, winds = 0;
+    bool usual = true;
+    for (int k = 0; k < size; ++k) {
+      const Motion& m = motions[k];
+      for (int c = 0; c < 3; ++c) other |= std::bit_cast<std::uint64_t>(m.angular_velocity[c]);
+      for (int c = 0; c < 9; ++c) other |= std::bit_cast<std::uint64_t>(m.wind_gradient.data()[c]);
+      winds |= m.triangle_wind.size();
+      const Vector3d u = m.wind - m.velocity;
+      flow2_[k] = u.squaredNorm();
+      // Squares of these are numbers in single precision, too.
+      usual &= flow2_[k] > 1e-24 && flow2_[k] < 1e24;
+      u_[0][k] = static_cast<float>(u[0]), u_[1][k] = static_cast<float>(u[1]), u_[2][k] = static_cast<float>(u[2]);
+    }
+    return other << 1 == 0 && winds == 0 && usual;  // 0 and -0 are the only numbers without bits but the sign's
+  }
+
+  bool evaluate_read(const BakedBody& body, const Motion* motions, double density, Wrench* results) {
+    const DirectionMap& map = body.steady;
+    const int side = map.side(), last = map.frequency - 1, centre = map.frequency * (side + 1);
+    const float frequency = static_cast<float>(map.frequency), least = static_cast<float>(1e-3 * body.rms_force);
+    for (int k = 0; k < size; ++k) {  // as sample()
+      const float x = u_[0][k], y = u_[1][k], z = u_[2][k], l1 = std::abs(x) + std::abs(y) + std::abs(z), scale = frequency / l1;
+      const float fold = 0.5f * (std::abs(z) - z), across = scale * (std::abs(x) + fold), up = scale * (std::abs(y) + fold);
+      const int i = std::min(static_cast<int>(across), last), j = std::min(static_cast<int>(up), last);
+      const int left = std::bit_cast<std::int32_t>(x) >> 31, below = std::bit_cast<std::int32_t>(y) >> 31;  // -1 or 0
+      const float a = across - static_cast<float>(i), b = up - static_cast<float>(j), rest = 1.0f - a - b;
+      const int column = left | 1, row = ((side ^ below) - below), corner = centre + ((i ^ left) - left) + ((j ^ below) - below) * side;
+      const int beyond = std::bit_cast<std::int32_t>(rest) >> 31;
+      const float negative = std::bit_cast<float>(std::bit_cast<std::int32_t>(rest) & beyond);
+      node_[0][k] = corner + (beyond & (column + row)), node_[1][k] = corner + column, node_[2][k] = corner + row;
+      weight_[0][k] = std::abs(rest), weight_[1][k] = a + negative, weight_[2][k] = b + negative;
+      least_[k] = least * l1;
+    }
+    const double unit = 0.5 * density * body.area;
+    for (int k = 0; k < size; ++k) {
+      const auto row = [&](int n) -> Row { return weight_[n][k] * Eigen::Map<const Row>(map.row(node_[n][k], 0)); };
+      const Row sum = row(0) + row(1) + row(2);
+      // Clearly braked, whatever rounds: an error of 1e-6 of the rms force at most. The others are looked at one by one.
+      if (!(sum[0] * u_[0][k] + sum[1] * u_[1][k] + sum[2] * u_[2][k] > least_[k])) [[unlikely]]
+        return false;
+      const double scale = unit * flow2_[k];
+      const Eigen::Array<double, 8, 1> load = scale * sum.cast<double>();
+      const Vector3d arm = body.centre - motions[k].reference_point, force = load.head<3>();
+      results[k].force = force;
+      results[k].torque = body.length * load.segment<3>(4).matrix() + arm.cross(force);
+    }
+    return true;
+  }
+
+  float u_[3][size], weight_[3][size], least_[size];
+  int node_[3][size];
+  double flow2_[size];
+};
 
 void check_density(const Medium& medium) {
   require(medium.density >= 0.0 && std::isfinite(medium.density), "baked wrench: density", medium.density,
@@ -132,8 +198,9 @@ Wrench unchecked(const BakedBody& body, const Motion& motion, const Medium& medi
 bool finite(const Wrench& w) { return std::isfinite(w.force.sum() + w.torque.sum()); }
 
 [[noreturn]] void not_finite(const std::string& entry) {
-  throw std::invalid_argument("baked wrench" + entry +
-                              ": the result is not finite; wind, velocity, spin and reference point must be finite, and speeds below 1e100 m/s");
+  throw std::invalid_argument(
+      "baked wrench" + entry +
+      ": the result is not finite; wind, velocity, spin and reference point must be finite, and speeds below 1e100 m/s");
 }
 
 }  // namespace
@@ -149,10 +216,17 @@ void wrenches(const BakedBody& body, std::span<const Motion> motions, const Medi
   require(results.size() == motions.size(), "wrenches: entries of results", results.size(),
           [&] { return "there are " + std::to_string(motions.size()) + " motions"; });
   check_density(medium);
-  for (std::size_t k = 0; k < motions.size(); ++k) {
-    results[k] = unchecked(body, motions[k], medium);
-    if (!finite(results[k])) not_finite(", entry " + std::to_string(k));
+  constexpr std::size_t block = StraightBlock::size;
+  StraightBlock straight;
+  for (std::size_t first = 0; first < motions.size(); first += block) {
+    if (first + block <= motions.size() && straight.evaluate(body, &motions[first], medium.density, &results[first])) continue;
+    for (std::size_t k = first; k < std::min(first + block, motions.size()); ++k) results[k] = unchecked(body, motions[k], medium);
   }
+  double sum = 0.0;  // not finite where one entry is not
+  for (const Wrench& one : results) sum += 0.0 * (one.force.sum() + one.torque.sum());
+  if (sum == 0.0) return;
+  for (std::size_t k = 0; k < results.size(); ++k)
+    if (!finite(results[k])) not_finite(", entry " + std::to_string(k));
 }
 
 Matrix6d resistance(const BakedBody& body, const Motion& motion, const Medium& medium) {

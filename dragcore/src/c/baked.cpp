@@ -10,7 +10,8 @@ using namespace dragcore::c;
 /// A baked body knows no triangles: a wind by triangle is refused before its length, which nobody knows, is needed.
 dragcore::Motion motion_for_map(const dragcore_motion& motion) {
   if (motion.triangle_wind)
-    throw std::invalid_argument("baked wrench: triangle_wind is given, but a map knows no triangles: set it to NULL, or use dragcore_evaluate()");
+    throw std::invalid_argument(
+        "baked wrench: triangle_wind is given, but a map knows no triangles: set it to NULL, or use dragcore_evaluate()");
   return motion_of(motion);
 }
 

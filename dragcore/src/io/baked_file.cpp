@@ -53,11 +53,11 @@ void write_array(std::ostream& out, const std::string& name, const DirectionMap&
   for (std::size_t row = 0; row < rows; ++row) {
     for (const std::size_t k : {0, 1, 2, 4, 5, 6}) {
       std::array<char, 24> word;
-      out << std::string_view(word.data(), static_cast<std::size_t>(std::to_chars(word.data(), word.data() + word.size(),
-                                                                                  double{map.values[8 * row + k]},
-                                                                                  std::chars_format::scientific, 8)
-                                                                        .ptr -
-                                                                    word.data()))
+      out << std::string_view(word.data(),
+                              static_cast<std::size_t>(std::to_chars(word.data(), word.data() + word.size(),
+                                                                     double{map.values[8 * row + k]}, std::chars_format::scientific, 8)
+                                                           .ptr -
+                                                       word.data()))
           << "f" << (k < 6 ? "," : ",\n");
     }
   }
@@ -215,7 +215,8 @@ void write_c_header(const std::filesystem::path& path, const BakedBody& body, co
   constexpr std::string_view letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_", digits = "0123456789";
   if (name.empty() || digits.find(name[0]) != std::string_view::npos ||
       name.find_first_not_of(std::string(letters).append(digits)) != std::string::npos)
-    throw std::invalid_argument("C header: the name '" + name + "' must consist of letters, digits and underscores, and not begin with a digit");
+    throw std::invalid_argument("C header: the name '" + name +
+                                "' must consist of letters, digits and underscores, and not begin with a digit");
   const bool spins = body.tumble.frequency > 0;
   const auto number = [](double value) {
     std::array<char, 32> word;
@@ -237,9 +238,10 @@ void write_c_header(const std::filesystem::path& path, const BakedBody& body, co
   std::string model = body.model;
   replace_all(model, "*/", "* /");
   out << "/* Force and torque of the air on a body, baked by dragcore. C99; include it in one file.\n * " << model << "\n * surface "
-      << hexadecimal(body.surface_hash) << ", model " << hexadecimal(body.model_hash) << "\n * error of force: " << number(body.error.rms_force)
-      << " rms, " << number(body.error.worst_force) << " worst; of torque: " << number(body.error.rms_torque) << " rms, "
-      << number(body.error.worst_torque) << " worst; of the rms force, and of that times the length */\n#include <math.h>\n\n";
+      << hexadecimal(body.surface_hash) << ", model " << hexadecimal(body.model_hash)
+      << "\n * error of force: " << number(body.error.rms_force) << " rms, " << number(body.error.worst_force)
+      << " worst; of torque: " << number(body.error.rms_torque) << " rms, " << number(body.error.worst_torque)
+      << " worst; of the rms force, and of that times the length */\n#include <math.h>\n\n";
   write_array(out, name + "_steady", body.steady);
   if (spins) {
     write_array(out, name + "_rate", body.rate);

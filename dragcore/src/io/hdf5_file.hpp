@@ -64,7 +64,6 @@ class Quiet {
   void* client_ = nullptr;
 };
 
-
 inline void write_text(const File& file, hid_t object, const char* name, const std::string& text) {
   const Handle type(file, H5Tcopy(H5T_C_S1), H5Tclose, "no text type");
   H5Tset_size(type, text.size());
@@ -95,15 +94,17 @@ inline std::string read_text(const File& file, hid_t object, const char* name) {
 
 /// Of the type that `values` have.
 template <class Number>
-void write_numbers(const File& file, hid_t parent, const char* name, const std::vector<hsize_t>& shape,
-                   const Number* values, const char* units, const char* frame, const char* long_name) {
+void write_numbers(const File& file, hid_t parent, const char* name, const std::vector<hsize_t>& shape, const Number* values,
+                   const char* units, const char* frame, const char* long_name) {
   const Handle space(file, H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, "no data space");
   const Handle properties(file, H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "no properties");
   H5Pset_obj_track_times(properties, false);  // same contents, same bytes
   H5Pset_chunk(properties, static_cast<int>(shape.size()), shape.data());
   H5Pset_fletcher32(properties);  // damaged values are found when they are read
-  const Handle dataset(file, H5Dcreate2(parent, name, std::is_same_v<Number, float> ? H5T_IEEE_F32LE : H5T_IEEE_F64LE, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose,
-                       std::string("cannot create ") + name);
+  const Handle dataset(file,
+                       H5Dcreate2(parent, name, std::is_same_v<Number, float> ? H5T_IEEE_F32LE : H5T_IEEE_F64LE, space, H5P_DEFAULT,
+                                  properties, H5P_DEFAULT),
+                       H5Dclose, std::string("cannot create ") + name);
   if (H5Dwrite(dataset, native_type<Number>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
     fail(file, std::string("cannot write ") + name + "; check the free space");
   write_text(file, dataset, "units", units);
@@ -146,10 +147,9 @@ class Checksums {
     if (!in_ || std::string_view(word.data(), word.size()) != "OHDR") refuse(what);
   }
   [[noreturn]] void refuse(const std::string& what) const {
-    fail(file_,
-         what +
-             " is damaged, or of HDF5's oldest format, which has no checksums; write the file with this library or, in Python, with "
-             "h5py.File(…, libver='v110')");
+    fail(file_, what +
+                    " is damaged, or of HDF5's oldest format, which has no checksums; write the file with this library or, in Python, with "
+                    "h5py.File(…, libver='v110')");
   }
 
   const File& file_;

@@ -95,8 +95,7 @@ TEST_CASE("a C compiler takes the header, and its function is wrench()", "[bake]
   for (const bool spins : {true, false}) {
     const BakedBody body = baked_cone(spins);
     write_c_header(folder.path / "cone.h", body, "AREA_51");
-    const std::filesystem::path program = folder.write("main.c", R"(
-#include "cone.h"
+    const std::filesystem::path program = folder.write("main.c", R"(#include "cone.h"
 #include <stdio.h>
 int main(void) {
   double u[3], w[3], density, f[3], t[3];
@@ -109,8 +108,8 @@ int main(void) {
 )");
     const auto quoted = [](const std::filesystem::path& path) { return "'" + path.string() + "'"; };
     const std::filesystem::path binary = folder.path / "main", in = folder.path / "in.txt", out = folder.path / "out.txt";
-    REQUIRE(std::system((std::string(C_COMPILER) + " -std=c99 -pedantic -Wall -Wextra -Werror -o " + quoted(binary) + " " + quoted(program) +
-                         " -lm")
+    REQUIRE(std::system((std::string(C_COMPILER) + " -std=c99 -pedantic -Wall -Wextra -Werror -o " + quoted(binary) + " " +
+                         quoted(program) + " -lm")
                             .c_str()) == 0);
     zoo::Random random(4);
     std::vector<Motion> motions;
@@ -139,7 +138,8 @@ int main(void) {
       CHECK((found.torque - ours.torque).norm() <= 1e-6 * unit * body.length);
     }
   }
-  for (const char* name : {"", "7up", "a-b", "a b"}) CHECK_THROWS_WITH(write_c_header(folder.path / "x.h", baked_cone(), name), Contains("letters"));
+  for (const char* name : {"", "7up", "a-b", "a b"})
+    CHECK_THROWS_WITH(write_c_header(folder.path / "x.h", baked_cone(), name), Contains("letters"));
   CHECK_THROWS_WITH(write_c_header(folder.path / "no" / "x.h", baked_cone(), "x"), Contains("cannot be written"));
   CHECK_FALSE(std::filesystem::exists(folder.path / "x.h"));
 }
