@@ -79,7 +79,7 @@ void print(const BakeCommand& options, const Body& body, const dragcore::BakedBo
   errors("no spin", baked.error);
   for (std::size_t k = 0; k < baked.spin_ratios.size(); ++k)
     errors(fmt::format("spin ratio {:g}", baked.spin_ratios[k]), baked.spin_error[k]);
-  fmt::print("  {:<16} {:.1f} ns a call, {:.1f} ns with spin\n", "time", nanoseconds(baked, false), nanoseconds(baked, true));
+  fmt::print("  {:<16} {:.1f} ns each in a batch, {:.1f} ns with spin\n", "time", nanoseconds(baked, false), nanoseconds(baked, true));
   fmt::print(
       "Errors of force are shares of its rms over the directions, those of torque of that times {} m. Spin ratio: spin times that, over "
       "speed.\n",

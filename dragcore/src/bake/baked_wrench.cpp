@@ -41,12 +41,18 @@ int sign(double x) { return 1 - 2 * static_cast<int>(std::bit_cast<std::uint64_t
   return {{corner + (rest < 0.0f) * (column + row), corner + column, corner + row}, {std::abs(rest), a + beyond, b + beyond}};
 }
 
-/// Sum over the rows of each node, times their factors, times the node's weight.
+/// Sum over the rows of each node times their factors, interpolated.
 template <std::size_t Rows>
-void add(Row& sum, const DirectionMap& map, const DirectionMap::Sample& sample, const std::array<float, Rows>& factor) {
-  for (int corner = 0; corner < 3; ++corner)
-    for (int row = 0; row < static_cast<int>(Rows); ++row)
-      sum += sample.weight[corner] * factor[row] * Eigen::Map<const Row>(map.row(sample.node[corner], row));
+Row weighted(const DirectionMap& map, const Vector3d& direction, const std::array<float, Rows>& factor) {
+  const DirectionMap::Sample at = sample(map, direction);
+  Row sum = Row::Zero();
+  for (int corner = 0; corner < 3; ++corner) {
+    const float* rows = map.row(at.node[corner], 0);
+    Row node = factor[0] * Eigen::Map<const Row>(rows);
+    for (std::size_t row = 1; row < Rows; ++row) node += factor[row] * Eigen::Map<const Row>(rows + 8 * row);
+    sum += at.weight[corner] * node;
+  }
+  return sum;
 }
 
 /// What moves, seen from the centre of the map.
@@ -93,17 +99,15 @@ Loads loads(const BakedBody& body, const Vector3d& u, const Vector3d& turned) {
     return {Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()), Vector3d::Zero()};
   Row sum = Row::Zero();
   if (flows && !turns) [[likely]] {
-    const DirectionMap::Sample at = sample(body.steady, u);
-    for (int corner = 0; corner < 3; ++corner) sum += at.weight[corner] * Eigen::Map<const Row>(body.steady.row(at.node[corner], 0));
+    sum = weighted<1>(body.steady, u, {1.0f});
   } else if (flows || turns) {
     const double flow = std::sqrt(flow2), fast = std::sqrt(turned2), size = std::sqrt(size2);
     const Eigen::Vector3f by_flow = (turned2 / size2 / (size + flow) * u).cast<float>(),
                           by_spin = (flow2 / size2 / (size + fast) * turned).cast<float>();
-    if (flows) {
-      add<1>(sum, body.steady, sample(body.steady, u), {static_cast<float>(flow2 / size2)});
-      add<3>(sum, body.rate, sample(body.rate, u), {by_spin.x(), by_spin.y(), by_spin.z()});
-    }
-    add<4>(sum, body.tumble, sample(body.tumble, turned), {static_cast<float>(turned2 / size2), by_flow.x(), by_flow.y(), by_flow.z()});
+    sum = weighted<4>(body.tumble, turned, {static_cast<float>(turned2 / size2), by_flow.x(), by_flow.y(), by_flow.z()});
+    if (flows)
+      sum += weighted<1>(body.steady, u, {static_cast<float>(flow2 / size2)}) +
+             weighted<3>(body.rate, u, {by_spin.x(), by_spin.y(), by_spin.z()});
   }
   Loads found{sum.head<3>().matrix().cast<double>(), sum.segment<3>(4).matrix().cast<double>()};
   // The air takes energy: (force, torque) . (u, -spin) >= 0. Left is a billionth of what it might be, more than rounding can turn.

@@ -71,7 +71,7 @@ with tempfile.TemporaryDirectory() as folder:
 
     # A body baked into a map: its size and its errors are said, files come out by their names, and what cannot be is refused.
     baked = run("bake", "box.obj", "--error", "2%", "--output", "box.h5", code=0)
-    assert "KiB" in baked.stdout and "spin ratio 0.3" in baked.stdout and "ns a call" in baked.stdout, baked.stdout
+    assert "KiB" in baked.stdout and "spin ratio 0.3" in baked.stdout and "ns each" in baked.stdout, baked.stdout
     assert open("box.h5", "rb").read(4) == b"\x89HDF" and "wrote box.h5" in baked.stderr
     run("bake", "box.obj", "--error", "0.05", "--law", "note", "--output", "a-box.h", code=0)
     assert "a_box_wrench(" in open("a-box.h").read()
