@@ -21,7 +21,7 @@ constexpr int steady_samples = 2000, spin_samples = 300;
 // Slopes are secants over this share of the larger speed to either side. Wider than a tangent: they serve beside it, too, and faces edge-on,
 // where slopes jump, give the mean of both. Balls want the second wide, plates narrow: at a spin ratio of 1 the error of a ball falls from
 // 21 to 7 % between 0.1 and 0.2, and that of a plate grows from 8.5 to 8.9 %.
-constexpr double by_spin = 0.1, by_flow = 0.2;
+constexpr double spin_step = 0.1, flow_step = 0.2;
 // Of the maps for spin. With 4 their errors at spin ratios of 0.3 and 1 are up to a tenth smaller, and the maps by two thirds larger; more
 // changes nothing, for most of the error is that of the slopes themselves.
 constexpr int spin_frequency = 3;
@@ -82,12 +82,12 @@ std::vector<Vector6d> slopes(double step, const std::function<Vector6d(const Vec
 
 DirectionMap rate_map(const Truth& truth) {
   return sampled(spin_frequency, 3,
-                 [&](const Vector3d& u) { return slopes(by_spin, [&](const Vector3d& turned) { return truth(u, turned); }); });
+                 [&](const Vector3d& u) { return slopes(spin_step, [&](const Vector3d& turned) { return truth(u, turned); }); });
 }
 
 DirectionMap tumble_map(const Truth& truth) {
   return sampled(spin_frequency, 4, [&](const Vector3d& turned) {
-    std::vector<Vector6d> rows = slopes(by_flow, [&](const Vector3d& u) { return truth(u, turned); });
+    std::vector<Vector6d> rows = slopes(flow_step, [&](const Vector3d& u) { return truth(u, turned); });
     rows.insert(rows.begin(), truth(Vector3d::Zero(), turned));
     return rows;
   });
@@ -233,9 +233,9 @@ BakedBody bake(const Surface& surface, const Model& model, const BakeOptions& op
                  .surface_hash = hash_of(surface),
                  .model_hash = hash_of(model)};
   const Truth truth(surface, model);
-  std::vector<Case> still, trial;
-  for (const Vector3d& u : spiral(steady_samples, 0.4)) still.push_back(made_case(surface, truth, u, Vector3d::Zero()));
-  body.rms_force = rms_force(still);
+  std::vector<Case> at_rest, trial;
+  for (const Vector3d& u : spiral(steady_samples, 0.4)) at_rest.push_back(made_case(surface, truth, u, Vector3d::Zero()));
+  body.rms_force = rms_force(at_rest);
   const bool spins = model.effects.has(Effect::spin);
   if (spins) {
     body.rate = rate_map(truth);
@@ -248,7 +248,7 @@ BakedBody bake(const Surface& surface, const Model& model, const BakeOptions& op
     const std::size_t needed = body.bytes() + sizeof(float) * 8u * (2u * frequency + 1u) * (2u * frequency + 1u);
     if (needed > options.most_bytes) break;
     best.steady = sampled(frequency, 1, [&](const Vector3d& u) { return std::vector{truth(u, Vector3d::Zero())}; });
-    best.error = error_of(best, still);
+    best.error = error_of(best, at_rest);
     reached = best.error.rms() <= options.rms_error;
     if (reached) break;
   }
