@@ -96,8 +96,8 @@ BakedBody bake(const Surface& surface, const Model& model, const BakeOptions& op
 /// @accuracy  `error` and `spin_error`: for spin ratios of 0.1, 0.3 and 1 about 0.5, 2 and 10 % of the force (docs/baking.md)
 Wrench wrench(const BakedBody& body, const Motion& motion, const Medium& medium);
 
-/// The same for many motions, to 4e-6 of density/2 |u|^2 A: sixteen in a row that do not spin cost a third. `results` has as many entries.
-/// A fault names the entry.
+/// The same for many motions, to 4e-6 of density/2 (U^2 + w^2) A, at half the cost; cheapest where those that spin stand together.
+/// @param results  as many entries. A fault names the entry
 void wrenches(const BakedBody& body, std::span<const Motion> motions, const Medium& medium, std::span<Wrench> results);
 
 /// Secant matrix of the baked wrench for step_secant_implicit(): symmetric, positive semidefinite, and S (V_air - V) is wrench() exactly.

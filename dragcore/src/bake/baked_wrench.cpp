@@ -120,60 +120,136 @@ Loads loads(const BakedBody& body, const Vector3d& u, const Vector3d& turned) {
   return {size2 * found.force, size2 * found.torque};
 }
 
-/// Bodies that fly straight, block by block: each step is a loop of its own that the compiler turns into vectors.
-class StraightBlock {
+/// Many motions, block by block: each step is a loop of its own that the compiler turns into vectors.
+class Block {
  public:
   static constexpr int size = 16;
 
-  /// False where something is not as simple as that: nothing is done, and the entries are to be evaluated one by one.
+  /// False where something is not as simple as a uniform wind at usual speeds, or power is nearly nothing: entries are then to be evaluated
+  /// one by one.
   bool evaluate(const BakedBody& body, const Motion* motions, double density, Wrench* results) {
-    return read(motions) && evaluate_read(body, motions, density, results);
+    // 0 and -0 are the only numbers without bits but the sign's.
+    std::uint64_t spin = 0, gradient = 0, winds = 0;
+    for (int k = 0; k < size; ++k) {
+      for (int c = 0; c < 3; ++c) spin |= std::bit_cast<std::uint64_t>(motions[k].angular_velocity[c]);
+      for (int c = 0; c < 9; ++c) gradient |= std::bit_cast<std::uint64_t>(motions[k].wind_gradient.data()[c]);
+      winds |= motions[k].triangle_wind.size();
+    }
+    if (gradient << 1 != 0 || winds != 0) return false;
+    return spin << 1 == 0 ? evaluate<false>(body, motions, density, results) : evaluate<true>(body, motions, density, results);
   }
 
  private:
-  bool read(const Motion* motions) {
-    std::uint64_t other = 0, winds = 0;
-    bool usual = true;
-    for (int k = 0; k < size; ++k) {
-      const Motion& m = motions[k];
-      for (int c = 0; c < 3; ++c) other |= std::bit_cast<std::uint64_t>(m.angular_velocity[c]);
-      for (int c = 0; c < 9; ++c) other |= std::bit_cast<std::uint64_t>(m.wind_gradient.data()[c]);
-      winds |= m.triangle_wind.size();
-      const Vector3d u = m.wind - m.velocity;
-      flow2_[k] = u.squaredNorm();
-      // Squares of these are numbers in single precision, too.
-      usual &= flow2_[k] > 1e-24 && flow2_[k] < 1e24;
-      u_[0][k] = static_cast<float>(u[0]), u_[1][k] = static_cast<float>(u[1]), u_[2][k] = static_cast<float>(u[2]);
+  using Lanes = float[size];
+  struct Samples {
+    int node[3][size];
+    Lanes weight[3];
+  };
+
+  template <bool Spins>
+  bool evaluate(const BakedBody& body, const Motion* motions, double density, Wrench* results) {
+    // A map without spin does not feel it, but for the velocity of its centre.
+    if (Spins && body.tumble.frequency == 0) return false;
+    if (!read<Spins>(body, motions)) return false;
+    locate(body.steady, flow_, steady_);
+    if constexpr (Spins) {
+      locate(body.rate, flow_, rate_);
+      locate(body.tumble, axis_, tumble_);
+      weigh();
     }
-    return other << 1 == 0 && winds == 0 && usual;  // 0 and -0 are the only numbers without bits but the sign's
+    return sum<Spins>(body, motions, density, results);
   }
 
-  bool evaluate_read(const BakedBody& body, const Motion* motions, double density, Wrench* results) {
-    const DirectionMap& map = body.steady;
+  template <bool Spins>
+  bool read(const BakedBody& body, const Motion* motions) {
+    // Squares of these speeds are numbers in single precision, too.
+    const auto usual = [](double speed2) { return speed2 > 1e-24 && speed2 < 1e24; };
+    bool good = true;
+    for (int k = 0; k < size; ++k) {
+      const Motion& m = motions[k];
+      Vector3d u = m.wind - m.velocity;
+      if constexpr (Spins) {
+        u -= m.angular_velocity.cross(body.centre - m.reference_point);
+        const Vector3d turned = body.length * m.angular_velocity;
+        const double turned2 = turned.squaredNorm();
+        good &= turned2 == 0.0 || usual(turned2);
+        turned2_[k] = static_cast<float>(turned2);
+        for (int c = 0; c < 3; ++c) axis_[c][k] = turned_[c][k] = static_cast<float>(turned[c]);
+        if (turned2 == 0.0) axis_[0][k] = 1.0f;  // any, for it has no weight
+        size2_[k] = turned2;
+      }
+      const double flow2 = u.squaredNorm();
+      good &= usual(flow2);
+      flow2_[k] = static_cast<float>(flow2);
+      size2_[k] = Spins ? size2_[k] + flow2 : flow2;
+      flow_[0][k] = static_cast<float>(u[0]), flow_[1][k] = static_cast<float>(u[1]), flow_[2][k] = static_cast<float>(u[2]);
+    }
+    return good;
+  }
+
+  /// As sample().
+  static void locate(const DirectionMap& map, const Lanes* direction, Samples& at) {
     const int side = map.side(), last = map.frequency - 1, centre = map.frequency * (side + 1);
-    const float frequency = static_cast<float>(map.frequency), least = static_cast<float>(1e-3 * body.rms_force);
-    for (int k = 0; k < size; ++k) {  // as sample()
-      const float x = u_[0][k], y = u_[1][k], z = u_[2][k], l1 = std::abs(x) + std::abs(y) + std::abs(z), scale = frequency / l1;
+    const float frequency = static_cast<float>(map.frequency);
+    for (int k = 0; k < size; ++k) {
+      const float x = direction[0][k], y = direction[1][k], z = direction[2][k];
+      const float scale = frequency / (std::abs(x) + std::abs(y) + std::abs(z));
       const float fold = 0.5f * (std::abs(z) - z), across = scale * (std::abs(x) + fold), up = scale * (std::abs(y) + fold);
       const int i = std::min(static_cast<int>(across), last), j = std::min(static_cast<int>(up), last);
       const int left = std::bit_cast<std::int32_t>(x) >> 31, below = std::bit_cast<std::int32_t>(y) >> 31;  // -1 or 0
       const float a = across - static_cast<float>(i), b = up - static_cast<float>(j), rest = 1.0f - a - b;
-      const int column = left | 1, row = ((side ^ below) - below), corner = centre + ((i ^ left) - left) + ((j ^ below) - below) * side;
+      const int column = left | 1, row = (side ^ below) - below, corner = centre + ((i ^ left) - left) + ((j ^ below) - below) * side;
       const int beyond = std::bit_cast<std::int32_t>(rest) >> 31;
       const float negative = std::bit_cast<float>(std::bit_cast<std::int32_t>(rest) & beyond);
-      node_[0][k] = corner + (beyond & (column + row)), node_[1][k] = corner + column, node_[2][k] = corner + row;
-      weight_[0][k] = std::abs(rest), weight_[1][k] = a + negative, weight_[2][k] = b + negative;
-      least_[k] = least * l1;
+      at.node[0][k] = corner + (beyond & (column + row)), at.node[1][k] = corner + column, at.node[2][k] = corner + row;
+      at.weight[0][k] = std::abs(rest), at.weight[1][k] = a + negative, at.weight[2][k] = b + negative;
     }
-    const double unit = 0.5 * density * body.area;
+  }
+
+  /// The four factors of the maps, in units of U^2 + w^2.
+  void weigh() {
     for (int k = 0; k < size; ++k) {
-      const auto row = [&](int n) -> Row { return weight_[n][k] * Eigen::Map<const Row>(map.row(node_[n][k], 0)); };
-      const Row sum = row(0) + row(1) + row(2);
+      const float size2 = flow2_[k] + turned2_[k], root = std::sqrt(size2);
+      const float of_flow = flow2_[k] / size2, of_spin = turned2_[k] / size2;
+      const float by_spin = of_flow / (root + std::sqrt(turned2_[k])), by_flow = of_spin / (root + std::sqrt(flow2_[k]));
+      factor_[0][k] = of_flow, factor_[4][k] = of_spin;
+      for (int c = 0; c < 3; ++c) factor_[1 + c][k] = by_spin * turned_[c][k], factor_[5 + c][k] = by_flow * flow_[c][k];
+    }
+  }
+
+  template <std::size_t Rows>
+  Row weighted_rows(const DirectionMap& map, const Samples& at, int first, int k) const {
+    const auto node = [&](int n) -> Row {
+      const float* rows = map.row(at.node[n][k], 0);
+      Row loads = factor_[first][k] * Eigen::Map<const Row>(rows);
+      for (std::size_t row = 1; row < Rows; ++row) loads += factor_[first + row][k] * Eigen::Map<const Row>(rows + 8 * row);
+      return at.weight[n][k] * loads;
+    };
+    return node(0) + node(1) + node(2);
+  }
+
+  template <bool Spins>
+  bool sum(const BakedBody& body, const Motion* motions, double density, Wrench* results) const {
+    const double unit = 0.5 * density * body.area;
+    const float least = static_cast<float>(1e-3 * body.rms_force);
+    for (int k = 0; k < size; ++k) {
+      Row loads;
+      if constexpr (Spins) {
+        loads = weighted_rows<1>(body.steady, steady_, 0, k) + weighted_rows<3>(body.rate, rate_, 1, k) +
+                weighted_rows<4>(body.tumble, tumble_, 4, k);
+      } else {
+        const auto row = [&](int n) -> Row { return steady_.weight[n][k] * Eigen::Map<const Row>(body.steady.row(steady_.node[n][k], 0)); };
+        loads = row(0) + row(1) + row(2);
+      }
+      float taken = 0.0f, speeds = 0.0f;
+      for (int c = 0; c < 3; ++c) {
+        taken += loads[c] * flow_[c][k], speeds += std::abs(flow_[c][k]);
+        if constexpr (Spins) taken -= loads[4 + c] * turned_[c][k], speeds += std::abs(turned_[c][k]);
+      }
       // Clearly braked, whatever rounds: an error of 1e-6 of the rms force at most. The others are looked at one by one.
-      if (!(sum[0] * u_[0][k] + sum[1] * u_[1][k] + sum[2] * u_[2][k] > least_[k])) [[unlikely]]
+      if (!(taken > least * speeds)) [[unlikely]]
         return false;
-      const double scale = unit * flow2_[k];
-      const Eigen::Array<double, 8, 1> load = scale * sum.cast<double>();
+      const Eigen::Array<double, 8, 1> load = unit * size2_[k] * loads.cast<double>();
       const Vector3d arm = body.centre - motions[k].reference_point, force = load.head<3>();
       results[k].force = force;
       results[k].torque = body.length * load.segment<3>(4).matrix() + arm.cross(force);
@@ -181,9 +257,9 @@ class StraightBlock {
     return true;
   }
 
-  float u_[3][size], weight_[3][size], least_[size];
-  int node_[3][size];
-  double flow2_[size];
+  Lanes flow_[3], turned_[3], axis_[3], flow2_, turned2_, factor_[8];
+  double size2_[size];
+  Samples steady_, rate_, tumble_;
 };
 
 void check_density(const Medium& medium) {
@@ -220,10 +296,10 @@ void wrenches(const BakedBody& body, std::span<const Motion> motions, const Medi
   require(results.size() == motions.size(), "wrenches: entries of results", results.size(),
           [&] { return "there are " + std::to_string(motions.size()) + " motions"; });
   check_density(medium);
-  constexpr std::size_t block = StraightBlock::size;
-  StraightBlock straight;
+  constexpr std::size_t block = Block::size;
+  Block vectors;
   for (std::size_t first = 0; first < motions.size(); first += block) {
-    if (first + block <= motions.size() && straight.evaluate(body, &motions[first], medium.density, &results[first])) continue;
+    if (first + block <= motions.size() && vectors.evaluate(body, &motions[first], medium.density, &results[first])) continue;
     for (std::size_t k = first; k < std::min(first + block, motions.size()); ++k) results[k] = unchecked(body, motions[k], medium);
   }
   double sum = 0.0;  // not finite where one entry is not

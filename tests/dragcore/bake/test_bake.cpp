@@ -254,30 +254,31 @@ TEST_CASE("a batch is its entries", "[bake][backend]") {
   // A sheet edge-on, which the batch must leave to the single call for its power, a cone, a box.
   for (const Shape& shape : {Shape(Plate{1.0, 1.0, 0.0}), Shape(Cone{}), Shape(Box{2.0, 1.0, 0.6})}) {
     const BakedBody body = baked(shape, 4);
-    std::vector<Motion> straight;
-    for (int k = 0; k < 2000; ++k) {
-      straight.push_back({.wind = random.vector(2.0), .velocity = random.vector(2.0), .reference_point = random.vector(0.3)});
-      if (k < 1000 && k % 50 == 0) straight.back().wind.z() = straight.back().velocity.z();
-      if (k % 50 == 1) straight.back().wind.x() = straight.back().velocity.x();
+    // Straight ones, then spinning ones, with some that do not spin or do not travel among them.
+    std::vector<Motion> motions;
+    for (int k = 0; k < 4000; ++k) {
+      motions.push_back({.wind = random.vector(2.0), .velocity = random.vector(2.0), .reference_point = random.vector(0.3)});
+      Motion& motion = motions.back();
+      if (k < 1000 && k % 50 == 0) motion.wind.z() = motion.velocity.z();
+      if (k % 50 == 1) motion.wind.x() = motion.velocity.x();
+      if (k >= 2000 && k % 7 != 0) motion.angular_velocity = std::pow(10.0, random.uniform(-3.0, 2.0)) * random.vector(1.0);
+      if (k >= 3000 && k % 60 == 0) motion.wind = motion.velocity;
     }
-    std::vector<Wrench> results(straight.size());
-    wrenches(body, straight, air, results);
-    for (std::size_t k = 0; k < straight.size(); ++k) {
+    std::vector<Wrench> results(motions.size());
+    wrenches(body, motions, air, results);
+    for (std::size_t k = 0; k < motions.size(); ++k) {
       // Weights in float instead of double, over a cell in which coefficients may change by their size: 2e-6 of the largest.
-      const double unit = 0.5 * air.density * (straight[k].wind - straight[k].velocity).squaredNorm() * body.area * (1.0 + body.length);
-      REQUIRE(distance(results[k], wrench(body, straight[k], air)) <= 4e-6 * unit);
-      REQUIRE(power(results[k], straight[k]) <= 1e-14 * results[k].force.norm());  // rounding of the sum
+      const Motion& motion = motions[k];
+      const double speed = (motion.wind - motion.velocity).norm() + motion.angular_velocity.norm() * (body.length + 0.6);
+      REQUIRE(distance(results[k], wrench(body, motion, air)) <=
+              4e-6 * 0.5 * air.density * speed * speed * body.area * (1.0 + body.length));
+      REQUIRE(power(results[k], motion) <=
+              1e-14 * (7.0 * results[k].force.norm() + results[k].torque.norm() * motion.angular_velocity.norm()));
     }
   }
   const BakedBody body = baked(Cone{}, 4);
-  std::vector<Motion> motions;
-  for (int k = 0; k < 37; ++k) {
-    motions.push_back(random.motion(2.0, 3.0));
-    if (k % 3 == 0) motions.back().angular_velocity.setZero();
-  }
+  std::vector<Motion> motions(37, {.wind = {3, 2, 1}, .angular_velocity = {0, 0, 1}});
   std::vector<Wrench> results(motions.size());
-  wrenches(body, motions, air, results);
-  for (std::size_t k = 0; k < motions.size(); ++k) CHECK(distance(results[k], wrench(body, motions[k], air)) == 0.0);
   std::vector<Motion> far(16, {.wind = {1, 2, 3}});
   far[3].reference_point.y() = std::numeric_limits<double>::infinity();
   std::vector<Wrench> for_far(16);
