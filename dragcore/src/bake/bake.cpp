@@ -18,9 +18,9 @@ namespace {
 
 constexpr std::array frequencies = {2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24, 28, 32, 40, 48, 56, 64, 80, 96, 112, 128};
 constexpr int steady_samples = 2000, spin_samples = 300;
-// Slopes are secants over this share of the larger speed to either side. Wider than a tangent: they serve beside it, too, and faces edge-on,
-// where slopes jump, give the mean of both. Balls want the second wide, plates narrow: at a spin ratio of 1 the error of a ball falls from
-// 21 to 7 % between 0.1 and 0.2, and that of a plate grows from 8.5 to 8.9 %.
+// Slopes are secants over this share of the larger speed to either side. Wider than a tangent: they serve beside it, too, and faces
+// edge-on, where slopes jump, give the mean of both. Balls want the second wide, plates narrow: at a spin ratio of 1 the error of a ball
+// falls from 21 to 7 % between 0.1 and 0.2, and that of a plate grows from 8.5 to 8.9 %.
 constexpr double spin_step = 0.1, flow_step = 0.2;
 // Of the maps for spin. With 4 their errors at spin ratios of 0.3 and 1 are up to a tenth smaller, and the maps by two thirds larger; more
 // changes nothing, for most of the error is that of the slopes themselves.
