@@ -56,6 +56,7 @@ void add_baseline(CLI::App& app, Context& context);
 void add_report(CLI::App& app, Context& context);
 void add_mesh(CLI::App& app, Context& context);
 void add_drag(CLI::App& app, Context& context);
+void add_bake(CLI::App& app, Context& context);
 
 /// The drag model asked for on the command line: --law (with --scale and --base-suction), --pillow, --factor, --quadrature. Nothing asked
 /// for is what model_for() recommends.

@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
   cli::Context context;
   for (const auto add : {cli::add_doctor, cli::add_plan, cli::add_run, cli::add_explain, cli::add_collect, cli::add_compare, cli::add_truth,
                          cli::add_variants, cli::add_calibrate, cli::add_cost, cli::add_gate, cli::add_baseline, cli::add_report,
-                         cli::add_mesh, cli::add_drag})
+                         cli::add_mesh, cli::add_drag, cli::add_bake})
     add(app, context);
   try {
     check_subcommands(app, argc, argv);

@@ -24,6 +24,7 @@ typedef enum dragcore_status {
 
 typedef struct dragcore_mesh dragcore_mesh;       /* triangles over shared vertices [m] */
 typedef struct dragcore_surface dragcore_surface; /* a mesh prepared for drag */
+typedef struct dragcore_baked dragcore_baked;     /* force and torque of a surface by a model, over direction */
 typedef struct dragcore_wind dragcore_wind;       /* wind fields in the world */
 
 /* Faces of a triangle that feel the air: the outer one of a body, both of a sheet. Automatic: two where the mesh is open,
@@ -163,6 +164,29 @@ dragcore_status dragcore_resistance(const dragcore_surface* surface, const dragc
 /* 6 x 6 derivative of (force, torque) by (velocity, angular velocity), row by row: for engines that step implicitly themselves. */
 dragcore_status dragcore_force_jacobian(const dragcore_surface* surface, const dragcore_motion* motion, double density,
                                         const dragcore_model* model, double matrix[36]);
+
+/* Force and torque baked into maps over direction, which cost the same whatever the model and the number of triangles: dragcore/bake.hpp.
+ * rms_error: of force and torque without spin, 0.01 for 1 %; 0: the best that most_bytes allow. *baked is to be given to
+ * dragcore_baked_destroy(), and is NULL after an error; the surface may then go. dragcore_baked_file.h reads and writes files. */
+dragcore_status dragcore_bake(const dragcore_surface* surface, const dragcore_model* model, double rms_error, size_t most_bytes,
+                              dragcore_baked** baked);
+void dragcore_baked_destroy(dragcore_baked* baked); /* NULL is allowed */
+
+/* *matches: 1 where it was baked from this surface and this model, 0 where it is stale. */
+dragcore_status dragcore_baked_matches(const dragcore_baked* baked, const dragcore_surface* surface, const dragcore_model* model,
+                                       int* matches);
+
+/* Measured when it was baked: force by the rms force, torque by that times the farthest corner's distance. */
+typedef struct dragcore_bake_error {
+  double rms_force, worst_force, rms_torque, worst_torque;
+} dragcore_bake_error;
+/* Size of the maps; errors without spin, and at spin ratios of 0.1, 0.3 and 1. NULL: not wanted. */
+dragcore_status dragcore_baked_errors(const dragcore_baked* baked, size_t* bytes, dragcore_bake_error* straight,
+                                      dragcore_bake_error spinning[3]);
+
+/* As dragcore_evaluate() and dragcore_resistance(); motion->triangle_wind must be NULL, and the wind must not strain. */
+dragcore_status dragcore_baked_wrench(const dragcore_baked* baked, const dragcore_motion* motion, double density, dragcore_wrench* result);
+dragcore_status dragcore_baked_resistance(const dragcore_baked* baked, const dragcore_motion* motion, double density, double matrix[36]);
 
 /* New velocity and angular velocity after dt [s] under drag and a constant external wrench (gravity, say): step_secant_implicit(), and the
  * cheaper step_scalar_implicit(). Never gains energy from the air, at any dt. */

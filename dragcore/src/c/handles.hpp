@@ -2,6 +2,7 @@
 
 #include <dragcore/dragcore.h>
 
+#include <dragcore/bake.hpp>
 #include <dragcore/drag.hpp>
 #include <dragcore/stepping.hpp>
 #include <dragcore/wind.hpp>
@@ -17,6 +18,10 @@ struct dragcore_mesh {
 
 struct dragcore_surface {
   dragcore::Surface surface;
+};
+
+struct dragcore_baked {
+  dragcore::BakedBody body;
 };
 
 struct dragcore_wind {

@@ -1,14 +1,9 @@
-#include <hdf5.h>
-
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdint>
 #include <dragcore/field_file.hpp>
 #include <fstream>
-#include <functional>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -16,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "io/hdf5_file.hpp"
 #include "io/text.hpp"
 
 namespace dragcore {
@@ -199,227 +195,44 @@ std::vector<std::string> write_fga(const std::filesystem::path& file, const Grid
 
 namespace {
 
-/// An HDF5 identifier that closes itself; the call that made it is named when it failed.
-class Handle {
- public:
-  Handle(const std::filesystem::path& file, hid_t id, herr_t (*close)(hid_t), const std::string& fault) : id_(id), close_(close) {
-    if (id < 0) fail(file, fault);
-  }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  ~Handle() { close_(id_); }
-  operator hid_t() const { return id_; }
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
-
-/// Our messages name file and remedy; the library's own trace on stderr is switched off meanwhile.
-class Quiet {
- public:
-  Quiet() {
-    H5Eget_auto2(H5E_DEFAULT, &function_, &client_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  Quiet(const Quiet&) = delete;
-  Quiet& operator=(const Quiet&) = delete;
-  ~Quiet() { H5Eset_auto2(H5E_DEFAULT, function_, client_); }
-
- private:
-  H5E_auto2_t function_ = nullptr;
-  void* client_ = nullptr;
-};
-
 constexpr const char* schema = "dragcore.wind_field";
-constexpr const char* schema_version = "1.0";
-
-void write_text(const std::filesystem::path& file, hid_t object, const char* name, const std::string& text) {
-  const Handle type(file, H5Tcopy(H5T_C_S1), H5Tclose, "no text type");
-  H5Tset_size(type, text.size());
-  H5Tset_cset(type, H5T_CSET_UTF8);
-  H5Tset_strpad(type, H5T_STR_NULLPAD);
-  const Handle space(file, H5Screate(H5S_SCALAR), H5Sclose, "no data space");
-  const Handle attribute(file, H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
-                         std::string("cannot create attribute ") + name);
-  if (H5Awrite(attribute, type, text.data()) < 0) fail(file, std::string("cannot write attribute ") + name);
-}
-
-/// A text attribute of fixed length; empty when there is none.
-std::string read_text(const std::filesystem::path& file, hid_t object, const char* name) {
-  if (H5Aexists(object, name) <= 0) return {};
-  const Handle attribute(file, H5Aopen(object, name, H5P_DEFAULT), H5Aclose, std::string("cannot open attribute ") + name);
-  const Handle space(file, H5Aget_space(attribute), H5Sclose, "no data space");
-  const Handle type(file, H5Aget_type(attribute), H5Tclose, "no type");
-  if (H5Tget_class(type) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1)
-    fail(file, std::string("attribute ") + name + " is not a text");
-  // Those of variable length are kept in a heap without checksums, in which HDF5 1.10 loops for ever where it is damaged.
-  if (H5Tis_variable_str(type) > 0)
-    fail(file,
-         std::string("attribute ") + name + " is a text of variable length; write it with a fixed one, in Python as numpy.bytes_('…')");
-  std::string text(H5Tget_size(type), '\0');
-  if (H5Aread(attribute, type, text.data()) < 0) fail(file, std::string("cannot read attribute ") + name);
-  return text.substr(0, text.find('\0'));
-}
-
-void write_numbers(const std::filesystem::path& file, hid_t parent, const char* name, const std::vector<hsize_t>& shape,
-                   const double* values, const char* units, const char* long_name) {
-  const Handle space(file, H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, "no data space");
-  const Handle properties(file, H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "no properties");
-  H5Pset_obj_track_times(properties, false);  // same contents, same bytes
-  H5Pset_chunk(properties, static_cast<int>(shape.size()), shape.data());
-  H5Pset_fletcher32(properties);  // damaged values are found when they are read
-  const Handle dataset(file, H5Dcreate2(parent, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose,
-                       std::string("cannot create ") + name);
-  if (H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
-    fail(file, std::string("cannot write ") + name + "; check the free space");
-  write_text(file, dataset, "units", units);
-  write_text(file, dataset, "frame", "field");
-  write_text(file, dataset, "long_name", long_name);
-}
-
-/// HDF5 1.10 reads beyond its memory where a file without checksums on its structure is damaged. Superblocks have them from version 2 on,
-/// and so do object headers, which then begin with "OHDR". Whatever is opened must have been through here.
-class Checksums {
- public:
-  explicit Checksums(const std::filesystem::path& file) : file_(file), in_(file, std::ios::binary) {
-    std::array<unsigned char, 48> block{};
-    in_.read(reinterpret_cast<char*>(block.data()), block.size());
-    const std::array<unsigned char, 8> signature{0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
-    if (!in_ || !std::equal(signature.begin(), signature.end(), block.begin())) fail(file, "is not an HDF5 file, or its start is damaged");
-    const auto address = [&block](std::size_t at) {
-      std::uint64_t value = 0;
-      for (std::size_t i = 0; i < 8; ++i) value |= std::uint64_t{block[at + i]} << 8 * i;
-      return value;
-    };
-    // Version; bytes per address and per length; base address; address of an extension, none; of the root.
-    if (block[8] < 2 || block[9] != 8 || block[10] != 8 || address(12) != 0 || address(20) != HADDR_UNDEF) refuse("its superblock");
-    require_at(address(36), "its root");
-  }
-
-  /// Of the object behind a link.
-  void require_of(hid_t parent, const char* name, const std::string& what) {
-    H5L_info_t link;
-    if (H5Lget_info(parent, name, &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD)
-      fail(file_, what + " is a link to another place; put the data here");
-    require_at(link.u.address, what);
-  }
-
- private:
-  void require_at(std::uint64_t address, const std::string& what) {
-    std::array<char, 4> word{};
-    in_.seekg(static_cast<std::streamoff>(std::min<std::uint64_t>(address, std::numeric_limits<std::int64_t>::max())));
-    in_.read(word.data(), word.size());
-    if (!in_ || std::string_view(word.data(), word.size()) != "OHDR") refuse(what);
-  }
-  [[noreturn]] void refuse(const std::string& what) const {
-    fail(file_,
-         what +
-             " is damaged, or of HDF5's oldest format, which has no checksums; write the file with write_field_hdf5 or, in Python, with "
-             "h5py.File(…, libver='v110')");
-  }
-
-  const std::filesystem::path& file_;
-  std::ifstream in_;
-};
-
-std::string to_text(const std::vector<hsize_t>& shape) {
-  std::string text = "[";
-  for (const hsize_t n : shape) {
-    if (text.size() > 1) text += ", ";
-    text += std::to_string(n);
-  }
-  return text + "]";
-}
-
-/// Reads a dataset of floating-point numbers after `accept` has seen its shape and returned where to put them.
-void read_numbers(const std::filesystem::path& file, Checksums& checksums, hid_t parent, const char* name, const std::string& units,
-                  const std::function<double*(const std::vector<hsize_t>&)>& accept) {
-  const std::string what = std::string("dataset ") + name;
-  if (H5Lexists(parent, name, H5P_DEFAULT) <= 0) fail(file, what + " is missing; write the file again with write_field_hdf5");
-  checksums.require_of(parent, name, what);
-  const Handle dataset(file, H5Dopen2(parent, name, H5P_DEFAULT), H5Dclose, what + " cannot be opened");
-  const Handle type(file, H5Dget_type(dataset), H5Tclose, what + " has no type");
-  if (H5Tget_class(type) != H5T_FLOAT) fail(file, what + " does not hold floating-point numbers");
-  if (const std::string found = read_text(file, dataset, "units"); found != units)
-    fail(file, what + " has units '" + found + "'; needed: '" + units + "'. Convert it");
-  const Handle space(file, H5Dget_space(dataset), H5Sclose, what + " has no data space");
-  std::vector<hsize_t> shape(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
-  H5Sget_simple_extent_dims(space, shape.data(), nullptr);
-  // Compression gains a factor of 1,100 at most: less on disk means that the shape is a lie, found before memory is asked for.
-  double needed = static_cast<double>(H5Tget_size(type));
-  for (const hsize_t n : shape) needed *= static_cast<double>(n);
-  if (needed > 1100.0 * static_cast<double>(H5Dget_storage_size(dataset)))
-    fail(file, what + " holds fewer values than its shape " + to_text(shape) + " promises");
-  double* values = accept(shape);
-  if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
-    fail(file, what + " cannot be read; the file is damaged, restore it");
-}
 
 }  // namespace
 
-GridField read_field_hdf5(const std::filesystem::path& file) {
-  const Quiet quiet;
-  if (!std::filesystem::is_regular_file(file)) fail(file, "no such file");
-  Checksums checksums(file);
-  // Whatever the library itself leaves open when it meets damage is closed with the file.
-  const Handle access(file, H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "no properties");
-  H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
-  const Handle root(file, H5Fopen(file.c_str(), H5F_ACC_RDONLY, access), H5Fclose, "is shorter than it says itself or damaged; restore it");
-  if (const std::string found = read_text(file, root, "schema"); found != schema)
-    fail(file, (found.empty() ? std::string("has no schema") : "holds '" + found + "'") + "; needed: '" + schema + "'");
-  if (const std::string found = read_text(file, root, "schema_version"); !found.starts_with("1."))
-    fail(file, "has schema version '" + found + "'; this library reads 1.x");
+GridField read_field_hdf5(const std::filesystem::path& path) {
+  const hdf5::File file{"wind field", path};
+  hdf5::Reader reader(file, schema);
   Grid grid;
-  const std::string outside = read_text(file, root, "outside");
+  const std::string outside = reader.text("outside");
   if (outside != "zero" && outside != "clamp") fail(file, "attribute outside is '" + outside + "'; needed: 'zero' or 'clamp'");
   grid.outside = outside == "zero" ? Outside::zero : Outside::clamp;
   for (const auto& [name, bound] : {std::pair{"lower", &grid.lower}, std::pair{"upper", &grid.upper}})
-    read_numbers(file, checksums, root, name, "m", [&, n = name, b = bound](const std::vector<hsize_t>& shape) {
-      if (shape != std::vector<hsize_t>{3}) fail(file, std::string("dataset ") + n + " has shape " + to_text(shape) + "; needed: [3]");
+    reader.numbers<double>(name, "m", [&, n = name, b = bound](const std::vector<hsize_t>& shape) {
+      if (shape != std::vector<hsize_t>{3}) fail(file, std::string("dataset ") + n + " has shape " + hdf5::to_text(shape) + "; needed: [3]");
       return b->data();
     });
-  read_numbers(file, checksums, root, "velocity", "m/s", [&](const std::vector<hsize_t>& shape) {
+  reader.numbers<double>("velocity", "m/s", [&](const std::vector<hsize_t>& shape) {
     double count = 1.0;
     for (const hsize_t n : shape) count *= static_cast<double>(n);
     if (shape.size() != 4 || shape[3] != 3 || count < 3.0 || count > 3.0 * most_points)
-      fail(file, "dataset velocity has shape " + to_text(shape) + "; needed: [nz, ny, nx, 3] with 1 to 512^3 points");
+      fail(file, "dataset velocity has shape " + hdf5::to_text(shape) + "; needed: [nz, ny, nx, 3] with 1 to 512^3 points");
     grid.points = {static_cast<int>(shape[2]), static_cast<int>(shape[1]), static_cast<int>(shape[0])};
     grid.values.resize(3, static_cast<Eigen::Index>(count / 3.0));
     return grid.values.data();
   });
-  return checked(file, std::move(grid));
+  return checked(path, std::move(grid));
 }
 
-void write_field_hdf5(const std::filesystem::path& file, const GridField& field) {
-  const Quiet quiet;
+void write_field_hdf5(const std::filesystem::path& path, const GridField& field) {
   const Grid& grid = field.grid();
-  const std::filesystem::path partial = file.string() + ".partial";
-  try {
-    {
-      // The format of HDF5 1.10 has checksums on its structure.
-      const Handle access(partial, H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "no properties");
-      H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
-      const Handle root(partial, H5Fcreate(partial.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose,
-                        "cannot be created; check that the folder exists and may be written to");
-      write_text(partial, root, "schema", schema);
-      write_text(partial, root, "schema_version", schema_version);
-      write_text(partial, root, "outside", grid.outside == Outside::zero ? "zero" : "clamp");
-      write_numbers(partial, root, "lower", {3}, grid.lower.data(), "m", "position of the first grid point");
-      write_numbers(partial, root, "upper", {3}, grid.upper.data(), "m", "position of the last grid point");
-      const Eigen::Array3<hsize_t> n = grid.points.cast<hsize_t>().array();
-      write_numbers(partial, root, "velocity", {n[2], n[1], n[0], 3}, grid.values.data(), "m/s",
-                    "wind velocity at the grid points, indices z, y, x, component");
-      if (H5Fflush(root, H5F_SCOPE_GLOBAL) < 0) fail(partial, "cannot be written to the end; check the free space");
-    }
-    std::filesystem::rename(partial, file);
-  } catch (const std::filesystem::filesystem_error& fault) {
-    fail(file, std::string("cannot be put in its place: ") + fault.what());
-  } catch (...) {
-    std::error_code ignored;  // the first fault is the one to report
-    std::filesystem::remove(partial, ignored);
-    throw;
-  }
+  hdf5::write({"wind field", path}, schema, [&](const hdf5::File& file, hid_t root) {
+    hdf5::write_text(file, root, "outside", grid.outside == Outside::zero ? "zero" : "clamp");
+    hdf5::write_numbers(file, root, "lower", {3}, grid.lower.data(), "m", "field", "position of the first grid point");
+    hdf5::write_numbers(file, root, "upper", {3}, grid.upper.data(), "m", "field", "position of the last grid point");
+    const Eigen::Array3<hsize_t> n = grid.points.cast<hsize_t>().array();
+    hdf5::write_numbers(file, root, "velocity", {n[2], n[1], n[0], 3}, grid.values.data(), "m/s", "field",
+                        "wind velocity at the grid points, indices z, y, x, component");
+  });
 }
 
 }  // namespace dragcore

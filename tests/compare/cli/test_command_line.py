@@ -78,6 +78,21 @@ with tempfile.TemporaryDirectory() as folder:
     assert ".stl" in run("mesh", "box.obj", "--repair", "box.ply", code=2).stderr
     assert open("box.obj").read() == before_repair
 
+    # A body baked into a map: its size and its errors are said, files come out by their names, and what cannot be is refused.
+    baked = run("bake", "box.obj", "--error", "2%", "--output", "box.h5", code=0)
+    assert "KiB" in baked.stdout and "spin ratio 0.3" in baked.stdout and "ns each" in baked.stdout, baked.stdout
+    assert open("box.h5", "rb").read(4) == b"\x89HDF" and "wrote box.h5" in baked.stderr
+    run("bake", "box.obj", "--error", "0.05", "--law", "note", "--output", "a-box.h", code=0)
+    assert "a_box_wrench(" in open("a-box.h").read()
+    for word in ("0", "-1%", "100%", "x", "1%%", ""):
+        assert "such as 1%" in run("bake", "box.obj", "--error", word, "--output", "no.h5", code=2).stderr, word
+    assert ".h5 or .h" in run("bake", "box.obj", "--output", "no.stl", code=2).stderr
+    assert "allow more bytes" in run("bake", "box.obj", "--error", "0.01%", "--output", "no.h5", code=2).stderr
+    assert "no triangle has an area" in run("bake", "line.obj", "--output", "no.h5", code=3).stderr
+    run("bake", "none.stl", code=3)
+    run("bake", "box.obj", "--output", "no/such.h5", "--error", "5%", code=3)
+    assert not os.path.exists("no.h5")
+
     # The drag of a cube by the note's law: C_D 1 on its face, q A = 1/2 1.2 10^2 (0.5 m)^2 = 15 N.
     corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
     faces = ["1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"]

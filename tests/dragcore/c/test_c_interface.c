@@ -15,6 +15,49 @@ static void check(int good, const char* what) {
 
 static int says(const char* words) { return strstr(dragcore_last_error(), words) != NULL; }
 
+static void baked_bodies(void) {
+  dragcore_mesh* mesh = NULL;
+  dragcore_surface* surface = NULL;
+  dragcore_baked* baked = NULL;
+  dragcore_model model;
+  dragcore_motion motion;
+  dragcore_wrench exact, map;
+  dragcore_bake_error straight, spinning[3];
+  double matrix[36], wind[3] = {1, 0, 0};
+  size_t bytes = 0;
+  int fresh = 0, i;
+
+  memset(&motion, 0, sizeof motion);
+  motion.wind[0] = 10, motion.wind[2] = 3;
+  check(dragcore_mesh_box(2, 1, 0.5, 1, &mesh) == DRAGCORE_OK &&
+            dragcore_surface_from_mesh(mesh, DRAGCORE_SIDES_AUTOMATIC, &surface) == DRAGCORE_OK &&
+            dragcore_model_for(surface, &model) == DRAGCORE_OK,
+        "a box to bake");
+  check(dragcore_bake(surface, &model, 0.01, 65536, &baked) == DRAGCORE_OK, "it is baked");
+  check(dragcore_baked_errors(baked, &bytes, &straight, spinning) == DRAGCORE_OK && bytes <= 65536 && straight.rms_force <= 0.01 &&
+            spinning[2].rms_force > straight.rms_force,
+        "and says how well");
+  check(dragcore_evaluate(surface, &motion, 1.2, &model, &exact) == DRAGCORE_OK &&
+            dragcore_baked_wrench(baked, &motion, 1.2, &map) == DRAGCORE_OK &&
+            fabs(map.force[0] - exact.force[0]) < 3 * straight.worst_force * exact.force[0],
+        "the map has the drag of the mesh");
+  check(dragcore_baked_resistance(baked, &motion, 1.2, matrix) == DRAGCORE_OK, "its matrix can be had");
+  for (i = 0; i < 3; ++i)
+    check(fabs(matrix[6 * i] * 10 + matrix[6 * i + 2] * 3 - map.force[i]) < 1e-9 * fabs(map.force[0]), "and makes the force");
+  check(dragcore_baked_matches(baked, surface, &model, &fresh) == DRAGCORE_OK && fresh == 1, "it is fresh");
+  model.law.friction += 0.01;
+  check(dragcore_baked_matches(baked, surface, &model, &fresh) == DRAGCORE_OK && fresh == 0, "until the law is another");
+  motion.triangle_wind = wind;
+  check(dragcore_baked_wrench(baked, &motion, 1.2, &map) == DRAGCORE_INVALID_ARGUMENT && says("triangle_wind"), "it knows no triangles");
+  dragcore_baked_destroy(baked);
+  check(dragcore_bake(surface, &model, 1e-6, 65536, &baked) == DRAGCORE_INVALID_ARGUMENT && baked == NULL && says("allow more bytes"),
+        "what cannot be is refused");
+  check(dragcore_baked_wrench(NULL, &motion, 1.2, &map) == DRAGCORE_INVALID_ARGUMENT, "so is NULL");
+  dragcore_baked_destroy(NULL);
+  dragcore_surface_destroy(surface);
+  dragcore_mesh_destroy(mesh);
+}
+
 static void meshes_and_masses(void) {
   dragcore_mesh* mesh = NULL;
   dragcore_surface* surface = NULL;
@@ -427,6 +470,7 @@ int main(void) {
     check(strstr(dragcore_last_error(), "vertex 7") != NULL, "and named");
   }
   dragcore_surface_destroy(NULL);
+  baked_bodies();
   meshes_and_masses();
   bodies_and_sheets();
   winds();
