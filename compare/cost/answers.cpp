@@ -164,7 +164,8 @@ TextGrid front_grid(const Ladder& ladder, const std::vector<const Rung*>& front)
     auto cells = cells_of(front[i]->name, front[i]->triangles, front[i]->seconds, front[i]->errors);
     cells.push_back(std::to_string(front[i]->poses));
     cells.push_back(i == 0 ? "" : times_text(steps[i - 1].times_cost));
-    cells.push_back(i == 0 ? "" : times_text(steps[i - 1].halving_cost));
+    // At that pace no machine would live to see it.
+    cells.push_back(i == 0 ? "" : steps[i - 1].halving_cost < 1e9 ? times_text(steps[i - 1].halving_cost) : "never");
     grid.add(cells);
   }
   const RmsErrors& u = ladder.uncertainty;

@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <dragcore/bake.hpp>
 #include <dragcore/batch.hpp>
 #include <dragcore/stepping.hpp>
 #include <functional>
@@ -160,6 +161,7 @@ class Measurement {
     engines();
     laws();
     batch();
+    if (!options_.quick) baked();
     ablation();
     meshes();
     steps();
@@ -300,6 +302,27 @@ class Measurement {
       ladder_.steps.push_back(
           {fmt::format("wrench in a batch of {:.0f}, {} thread{}, by the clock", copies * n, threads, threads > 1 ? "s" : ""), "all",
            candidate.triangles / n, seconds_of(on_threads(threads, all), options_.quick, wall_now) / (copies * n)});
+  }
+
+  /// The same law as maps over direction, by how wrong they may be; without spin, which no pose here has.
+  void baked() {
+    for (const double error : {0.1, 0.03, 0.01}) {
+      Candidate candidate{fmt::format("{}, baked to {:.0f} %", best_law, 100.0 * error), "law"};
+      std::map<const dragcore::Surface*, std::shared_ptr<const dragcore::BakedBody>> bodies;
+      for (const Place& place : places_) {
+        const dragcore::Surface& surface = prepared_surface(place.record->shape, divisions(place, 1000));
+        auto& body = bodies[&surface];
+        if (!body) {
+          dragcore::Model model = single(ModelChoice::recommended()).on(surface);
+          model.effects = model.effects.without(Effect::spin);
+          body = std::make_shared<const dragcore::BakedBody>(bake(surface, model, {.rms_error = error, .most_bytes = 1u << 20}));
+        }
+        candidate.triangles += static_cast<double>(surface.size());
+        candidate.answers.emplace_back(
+            [body, &motion = place.motion, medium = dragcore::Medium{place.record->density}] { return wrench(*body, motion, medium); });
+      }
+      add(candidate);
+    }
   }
 
   /// A law that was fitted whole is worse off without a part than one fitted without it: what is found is what the part does here.
