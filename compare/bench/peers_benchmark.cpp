@@ -1,5 +1,7 @@
 // A square sheet that deforms, in dragcore and in Bullet: new places of all vertices, and from them a force on every face.
 
+#include <dragcore/deforming.hpp>
+
 #include "compare/peers/peers.hpp"
 #include "dragcore/bench/rows.hpp"
 
@@ -28,9 +30,21 @@ void add_deforming_rows(int faces) {
   };
   bench::add_row("deforming/dragcore/" + std::to_string(faces), [=](benchmark::State& state) {
     Waving waving(faces);
-    TriangleForces found;
-    for (auto _ : state) found = triangle_forces(Surface(waving.next(), Surface::Sides::two), motion, {}, {});
-    finish(state, {found.force.rowwise().sum(), found.torque.rowwise().sum()});
+    DeformingMesh mesh(waving.sheet.triangles, waving.sheet.vertices.size(), Surface::Sides::two);
+    // An engine keeps its vertices in single precision.
+    const auto vertices = [](const TriangleMesh& given) {
+      std::vector<Eigen::Vector3f> result;
+      for (const Eigen::Vector3d& vertex : given.vertices) result.push_back(vertex.cast<float>());
+      return result;
+    };
+    const std::vector<Eigen::Vector3f> one = vertices(waving.sheet), other = vertices(waving.other),
+                                       velocity(one.size(), motion.velocity.cast<float>());
+    std::vector<Eigen::Vector3f> force(one.size());
+    bool turn = false;
+    for (auto _ : state) mesh.forces((turn = !turn) ? other : one, velocity, motion.wind, {}, note_law(), force);
+    Wrench total;
+    for (const Eigen::Vector3f& each : force) total.force += each.cast<double>();
+    finish(state, total);
   })->Unit(benchmark::kMicrosecond);
   bench::add_row("deforming/bullet/" + std::to_string(faces), [=](benchmark::State& state) {
     Waving waving(faces);

@@ -44,9 +44,7 @@ int main(int count, char** words) {
 #ifdef DRAGCORE_BENCHMARK_BATCH
   bench::add_batch_rows();
 #endif
-#ifdef DRAGCORE_BENCHMARK_BAKED
   bench::add_baked_rows();
-#endif
   const bool some = benchmark::RunSpecifiedBenchmarks() > 0;  // rows that met the filter
   return some && !bench::any_wrong ? 0 : 1;
 }
