@@ -22,7 +22,9 @@ struct VertexArray {
   std::size_t count = 0;    ///< vertices
   std::size_t stride = 3;   ///< from one x to the next, in numbers: at least 3
 
-  VertexArray(Number* first_x, std::size_t vertices, std::size_t numbers_apart = 3)
+  /// A template, so that {0, 0, 3} is a vector and no address.
+  template <std::convertible_to<Number*> Pointer>
+  requires std::is_pointer_v<Pointer> VertexArray(Pointer first_x, std::size_t vertices, std::size_t numbers_apart = 3)
       : first(first_x), count(vertices), stride(numbers_apart) {}
   template <class Vectors>
   requires std::constructible_from<std::span<Vector>, Vectors&> VertexArray(Vectors&& vectors) : VertexArray(std::span<Vector>(vectors)) {}
@@ -35,8 +37,9 @@ struct VertexArray {
 /// are theirs in every call.
 ///
 /// A triangle meets the air at the mean of what its corners do: u = mean(wind - velocity). On it act the terms of a law that are local to
-/// it, pressure, suction, base suction and friction (eq. 2, 3, 7 and 11 of docs/model.md), and each of its corners gets a third of their
-/// force. So the forces of all vertices never do work on the mesh against the air: sum over vertices of force . (wind - velocity) >= 0.
+/// it, pressure, suction, base suction and friction (eq. 2, 3, 9 and 12 of docs/model.md), and each of its corners gets a third of their
+/// force. So what the vertices feel takes energy from their motion through the air and never gives any: the sum of force . (wind -
+/// velocity) over them is not negative.
 ///
 /// What depends on a body as a whole has no meaning while it deforms: pillow, aspect, rear recovery, shelter and curvature.
 ///
