@@ -1,4 +1,4 @@
-// A square of cloth, held along one edge in a wind. The engine's solver is a few lines here: explicit steps, and edges that keep their length.
+// A square of cloth, held along one edge in a wind. The engine's solver is a few lines here: explicit steps, edges that keep their length.
 #include <cstdio>
 #include <dragcore/deforming.hpp>
 #include <dragcore/shapes.hpp>

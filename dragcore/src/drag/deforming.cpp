@@ -115,8 +115,8 @@ DeformingMesh::~DeformingMesh() = default;
 
 void DeformingMesh::forces(VertexArray<const float> position, VertexArray<const float> velocity, const Vector3d& wind, const Medium& medium,
                            const Law& law, VertexArray<float> force) {
-  require_finite("DeformingMesh: wind", wind);
   const Eigen::Vector3f everywhere = wind.cast<float>();
+  require(everywhere.allFinite(), "DeformingMesh: wind", wind, "it must be finite in single precision");
   // One vector that all vertices have: a stride of 0 is for this alone.
   sum_forces(position, velocity, {everywhere.data(), vertices_, 0}, medium, law, force);
 }
