@@ -192,12 +192,15 @@ void fill_vertex_rows_on_target(const DeformingTask& task, std::size_t first, st
 }
 
 void sum_forces_on_target(const DeformingTask& task, std::size_t first, std::size_t last) {
-  for (std::size_t v = first; v < last; ++v) {
+  const float* const rows = task.force_rows;
+  const std::uint32_t* next = task.incident + task.first[first];
+  float* to = task.force + task.force_stride * first;
+  for (std::size_t v = first; v < last; ++v, to += task.force_stride) {
+    const std::uint32_t* const end = task.incident + task.first[v + 1];
     Four sum = zero4();
-    for (std::uint32_t k = task.first[v]; k < task.first[v + 1]; ++k) sum = add4(sum, load4(task.force_rows + task.incident[k]));
+    for (; next != end; ++next) sum = add4(sum, load4(rows + *next));
     alignas(16) float found[4];
     store4(sum, found);
-    float* const to = task.force + task.force_stride * v;
     to[0] = found[0], to[1] = found[1], to[2] = found[2];
   }
 }
