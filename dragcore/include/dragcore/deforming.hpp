@@ -11,6 +11,8 @@
 
 namespace dragcore {
 
+class FastDeforming;
+
 /// A vector of every vertex in single precision, x y z, where an engine keeps it: side by side, padded to four numbers, or in the middle of
 /// its own vertices. Not owned. A std::vector or std::span of Eigen::Vector3f is one.
 /// @tparam Number  const float, or float where forces are to be written
@@ -50,8 +52,8 @@ class DeformingMesh {
   /// @param triangles  indices of vertices. Those that name a vertex twice carry no force
   /// @param sides      `two`, sheets: both sides of each triangle feel the air; `one`, skins of inflated bodies: the outer one, from which
   ///                   its corners run counterclockwise
-  /// @throws std::invalid_argument  if an index is not below `vertices`, `vertices` is not below 2^28, or for Sides::automatic: a mesh that
-  ///                                folds does not tell
+  /// @throws std::invalid_argument  if an index is not below `vertices`, there are 2^28 vertices or triangles or more, or for
+  ///                                Sides::automatic: a mesh that folds does not tell
   DeformingMesh(std::span<const Eigen::Vector3i> triangles, std::size_t vertices, Surface::Sides sides);
   DeformingMesh(DeformingMesh&&) noexcept;
   DeformingMesh& operator=(DeformingMesh&&) noexcept;
@@ -61,15 +63,14 @@ class DeformingMesh {
   /// @param position  of the vertices [m]
   /// @param velocity  of the vertices [m/s]
   /// @param wind      velocity of the undisturbed air: everywhere, or at each vertex [m/s]
-  /// @param law       sheet_law(), note_law(), consistent_law(), scaled_law(), or any with aspect_gain, recovery, shelter and curvature 0
-  /// and
-  ///                  polynomials that are nowhere negative
-  /// @throws std::invalid_argument  for another number of vertices, a law that needs a body, a density that is negative, and any number
-  /// that
-  ///                                is not finite where a triangle meets it: value found, value needed. `force` is then as it was
+  /// @param law       sheet_law(), note_law(), consistent_law(), scaled_law(), or any with polynomials that are nowhere negative and
+  ///                  without aspect_gain, recovery, shelter and curvature
+  /// @throws std::invalid_argument  for another number of vertices, a law that needs a body, a negative density, and any number that is
+  ///                                not finite where a triangle meets it: value found, value needed. `force` is then as it was
   /// @throws std::overflow_error    if a force is beyond 1e30 N; `force` is then as it was
-  /// @accuracy  of each triangle 1e-6 of density/2 speed^2 times the square of its longest edge, against reference::vertex_forces()
-  ///            (tests/dragcore/drag/test_deforming.cpp). Triangles whose numbers do not fit into single precision are summed in double
+  /// @accuracy  for coefficients of order 1, of each triangle 1e-6 of density/2 speed^2 times the square of its longest edge, against
+  ///            reference::vertex_forces() (tests/dragcore/drag/test_deforming.cpp). Triangles whose numbers do not fit into single
+  ///            precision, edges below some 0.01 mm or above 10 km, say, are summed in double, one at a time
   void forces(VertexArray<const float> position, VertexArray<const float> velocity, const Eigen::Vector3d& wind, const Medium& medium,
               const Law& law, VertexArray<float> force);
   void forces(VertexArray<const float> position, VertexArray<const float> velocity, VertexArray<const float> wind, const Medium& medium,
@@ -85,7 +86,7 @@ class DeformingMesh {
   std::vector<Eigen::Vector3i> triangles_;
   std::size_t vertices_;
   bool two_sided_;
-  std::unique_ptr<class FastDeforming> fast_;  // null where the library was built without its kernels
+  std::unique_ptr<FastDeforming> fast_;  // null where the library was built without its kernels
 };
 
 namespace reference {

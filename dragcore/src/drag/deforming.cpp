@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr std::size_t vertex_limit = std::size_t{1} << 28;  // eight numbers of each must be counted in 32 bits
+constexpr std::size_t largest_mesh = std::size_t{1} << 28;  // eight numbers of each must be counted in 32 bits
 
 void check_sides(Surface::Sides sides) {
   require(sides == Surface::Sides::one || sides == Surface::Sides::two, "DeformingMesh: sides", static_cast<int>(sides),
@@ -100,7 +100,8 @@ std::vector<Vector3d> scatter(std::span<const Eigen::Vector3i> triangles, std::s
 DeformingMesh::DeformingMesh(std::span<const Eigen::Vector3i> triangles, std::size_t vertices, Surface::Sides sides)
     : triangles_(triangles.begin(), triangles.end()), vertices_(vertices), two_sided_(sides == Surface::Sides::two) {
   check_sides(sides);
-  require(vertices < vertex_limit, "DeformingMesh: vertices", vertices, "it must be below 2^28");
+  require(vertices < largest_mesh, "DeformingMesh: vertices", vertices, "it must be below 2^28");
+  require(triangles_.size() < largest_mesh, "DeformingMesh: triangles", triangles_.size(), "it must be below 2^28");
   for (std::size_t t = 0; t < triangles_.size(); ++t)
     for (const int corner : triangles_[t])
       require(

@@ -286,5 +286,6 @@ TEST_CASE("what a deforming mesh cannot use is said, and nothing is lost", "[def
   const std::vector<Eigen::Vector3i> wild{{0, 1, 9}}, negative{{0, -1, 2}};
   CHECK_THROWS_WITH(DeformingMesh(wild, 9, Surface::Sides::two), Catch::Matchers::Contains("vertex of triangle 0 = 9"));
   CHECK_THROWS_WITH(DeformingMesh(negative, 9, Surface::Sides::two), Catch::Matchers::Contains("= -1"));
+  CHECK_THROWS_WITH(DeformingMesh(cloth.triangles, std::size_t{1} << 28, cloth.sides), Catch::Matchers::Contains("below 2^28"));
   CHECK_THROWS_WITH(DeformingMesh(cloth.triangles, count, Surface::Sides::automatic), Catch::Matchers::Contains("sides = 0"));
 }
