@@ -123,7 +123,7 @@ def targets(by_set, recorded, programs):
     yield "two threads, from memory", "1", "x", (">=", 1.5), lambda: fast.ratio(frame.format(1), frame.format(2)), ""
     for faces, least in ((10082, 4), (100352, 6)):
         yield (f"deforming mesh against Bullet, {faces} faces", "-", "x", (">=", least),
-               lambda faces=faces: fast.ratio(f"deforming/bullet/{faces}", f"deforming/dragcore/{faces}"),
+               lambda faces=faces: fast.ratio(f"deforming/bullet/{faces}", f"deforming/dragcore/{faces}/real_time"),
                "rows of vertices are read three times each, and forces gathered for every vertex")
     yield ("trilinear sample, coherent", "-", "ns", ("<=", 7), lambda: fast.value("wind/coherent/32", "per_sample"),
            "")

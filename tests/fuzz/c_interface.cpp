@@ -1,6 +1,7 @@
 #include <dragcore/dragcore.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -210,6 +211,25 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   scene.tolerance = bytes.number();
   dragcore_needs needs;
   check_status(dragcore_required_effects(other(27, &scene), other(28, &needs), text, sizeof text));
+
+  // The same triangles as a cloth whose vertices move each by itself.
+  const std::vector<float> position(vertices.begin(), vertices.end());
+  std::vector<float> moving(position.size()), force(position.size());
+  for (float& x : moving) x = static_cast<float>(bytes.number());
+  const std::size_t stride = bytes.take<std::uint8_t>() % 32 == 0 ? 2 : 3;
+  dragcore_deforming_motion deforming{.position = {position.data(), stride}, .velocity = {other(29, moving.data()), 3}};
+  bytes.fill(deforming.wind);
+  if (bytes.take<std::uint8_t>() % 4 == 0) deforming.vertex_wind = {position.data(), 3};
+  dragcore_law local = model.law;
+  if (bytes.take<std::uint8_t>() % 8) local.aspect_gain = local.recovery = local.shelter = local.curvature = 0.0;
+  dragcore_deforming* cloth = nullptr;
+  check_status(dragcore_deforming_create(triangles.data(), static_cast<std::size_t>(triangle_count), static_cast<std::size_t>(vertex_count),
+                                         bytes.take<std::uint8_t>() % 4, other(30, &cloth)));
+  status = dragcore_deforming_forces(cloth, other(31, &deforming), density, &local, force.data(), 3);
+  check_status(status);
+  for (const float f : force) check_finite(status, std::array{static_cast<double>(f)}.data(), 1, "force on a vertex");
+  dragcore_deforming_destroy(cloth);
+
   dragcore_wind_destroy(wind);
   dragcore_surface_destroy(surface);
   return 0;

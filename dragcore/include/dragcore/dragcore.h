@@ -235,6 +235,34 @@ typedef struct dragcore_free_body {
  * dragcore_wind_excess() says. */
 dragcore_status dragcore_step_free_bodies(const dragcore_free_body* bodies, size_t count, double density, double dt, double* velocities);
 
+/* Meshes whose vertices move each by itself, cloth: class DeformingMesh in dragcore/deforming.hpp. World frame. One object is one piece of
+ * cloth, for one thread at a time. */
+typedef struct dragcore_deforming dragcore_deforming;
+
+/* triangles: 3 * triangle_count indices below vertex_count, copied. sides: DRAGCORE_TWO_SIDED, sheets, or DRAGCORE_ONE_SIDED, skins of
+ * inflated bodies. *mesh is to be given to dragcore_deforming_destroy(), and is NULL after an error. */
+dragcore_status dragcore_deforming_create(const int* triangles, size_t triangle_count, size_t vertex_count, int sides,
+                                          dragcore_deforming** mesh);
+void dragcore_deforming_destroy(dragcore_deforming* mesh); /* NULL is allowed */
+
+/* A vector of every vertex, x y z, where the engine keeps it. */
+typedef struct dragcore_vertex_vectors {
+  const float* first; /* x of the first vertex */
+  size_t stride;      /* from one x to the next, in numbers: 3 where they lie side by side */
+} dragcore_vertex_vectors;
+
+typedef struct dragcore_deforming_motion {
+  dragcore_vertex_vectors position;    /* [m] */
+  dragcore_vertex_vectors velocity;    /* [m/s] */
+  double wind[3];                      /* velocity of the undisturbed air [m/s] */
+  dragcore_vertex_vectors vertex_wind; /* the same at each vertex, in place of it; first = NULL: not used */
+} dragcore_deforming_motion;           /* set all of it to zero first */
+
+/* Force of the air on every vertex [N], written over what is there, `force_stride` numbers from one x to the next; untouched after an
+ * error. law: with aspect_gain, recovery, shelter and curvature 0, "sheet" above all. */
+dragcore_status dragcore_deforming_forces(dragcore_deforming* mesh, const dragcore_deforming_motion* motion, double density,
+                                          const dragcore_law* law, float* force, size_t force_stride);
+
 /* Wind fields of the world: the sum of any number of sources. What a dragcore_wind* is used for may run on many threads at once, but not
  * beside a function that changes it. Velocities are those of the undisturbed air. */
 dragcore_status dragcore_wind_create(dragcore_wind** wind); /* still air; to be given to dragcore_wind_destroy() */

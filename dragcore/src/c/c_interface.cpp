@@ -22,12 +22,6 @@ void copy_numbers(const From& from, To& to) {
   to.curvature = from.curvature;
 }
 
-dragcore::Law law_of(const dragcore_law& given) {
-  dragcore::Law law{.name = "given"};
-  copy_numbers(given, law);
-  return law;
-}
-
 dragcore_law law_from(const dragcore::Law& law) {
   dragcore_law numbers{};
   copy_numbers(law, numbers);
@@ -98,6 +92,12 @@ void set_last_error(const char* message) noexcept {
     while (length > 0 && (static_cast<unsigned char>(message[length]) & 0xC0u) == 0x80u) --length;
   std::memcpy(last_error, message, length);
   last_error[length] = '\0';
+}
+
+Law law_of(const dragcore_law& given) {
+  Law law{.name = "given"};
+  copy_numbers(given, law);
+  return law;
 }
 
 Model model_of(const dragcore_model& m) {

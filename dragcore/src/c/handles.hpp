@@ -110,6 +110,8 @@ struct MotionOf {
   Motion motion;
 };
 
+Law law_of(const dragcore_law& law);
+
 /// @throws std::invalid_argument  for numbers that are in no enumeration
 Model model_of(const dragcore_model& model);
 

@@ -10,9 +10,6 @@
 
 namespace dragcore {
 
-namespace {
-
-/// Whether a polynomial is never negative from 0 to 1, by its Bernstein coefficients: enough of a reason, though not the only one.
 bool never_negative(const Law::Polynomial& p) {
   static constexpr double share[5][5] = {
       {1, 0, 0, 0, 0}, {1, 1.0 / 4, 0, 0, 0}, {1, 2.0 / 4, 1.0 / 6, 0, 0}, {1, 3.0 / 4, 3.0 / 6, 1.0 / 4, 0}, {1, 1, 1, 1, 1}};
@@ -22,6 +19,8 @@ bool never_negative(const Law::Polynomial& p) {
     return sum < 0.0;
   });
 }
+
+namespace {
 
 /// Whether a law's numbers are numbers in single precision, and products of three of its edges: what is checked may be beyond it, what is
 /// not may be none.

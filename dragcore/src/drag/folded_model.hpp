@@ -14,4 +14,7 @@ struct FoldedModel {
   static const FoldedModel& of(const Model& model);
 };
 
+/// Whether a polynomial is never negative from 0 to 1, by its Bernstein coefficients: enough of a reason, though not the only one.
+bool never_negative(const Law::Polynomial& p);
+
 }  // namespace dragcore

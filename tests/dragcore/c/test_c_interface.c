@@ -118,6 +118,59 @@ static void meshes_and_masses(void) {
   dragcore_mesh_destroy(NULL);
 }
 
+/* A square of cloth whose corners are an engine's vertices, position, velocity and force in one structure, broadside in the wind. */
+static void cloth(void) {
+  typedef struct vertex {
+    float position[3], velocity[3], force[3];
+  } vertex;
+  vertex corners[4] = {{{0, 0, 0}, {0}, {0}}, {{1, 0, 0}, {0}, {0}}, {{1, 1, 0}, {0}, {0}}, {{0, 1, 0}, {0}, {0}}};
+  const int triangles[] = {0, 1, 2, 0, 2, 3};
+  const size_t stride = sizeof(vertex) / sizeof(float);
+  const float winds[12] = {0, 0, 2, 0, 0, 2, 0, 0, 2, 0, 0, 2};
+  dragcore_deforming* mesh = NULL;
+  dragcore_deforming_motion motion;
+  dragcore_law law;
+  double total = 0;
+  int i;
+  memset(&motion, 0, sizeof motion);
+  motion.position.first = corners[0].position, motion.position.stride = stride;
+  motion.velocity.first = corners[0].velocity, motion.velocity.stride = stride;
+  motion.wind[2] = 4;
+
+  check(dragcore_named_law("note", &law) == DRAGCORE_OK, "the note's law");
+  check(dragcore_deforming_create(triangles, 2, 4, DRAGCORE_TWO_SIDED, &mesh) == DRAGCORE_OK && mesh, "a cloth is made");
+  check(dragcore_deforming_forces(mesh, &motion, 1.2, &law, corners[0].force, stride) == DRAGCORE_OK, "and feels the air");
+  for (i = 0; i < 4; ++i) total += corners[i].force[2];
+  check(fabs(total - 0.5 * 1.2 * 16) < 1e-5, "broadside, C_N = 1"); /* float */
+  check(fabs(corners[0].force[2] - total / 3) < 1e-5 && fabs(corners[1].force[2] - total / 6) < 1e-5, "by how many triangles meet");
+  motion.vertex_wind.first = winds, motion.vertex_wind.stride = 3;
+  check(dragcore_deforming_forces(mesh, &motion, 1.2, &law, corners[0].force, stride) == DRAGCORE_OK &&
+            fabs(corners[0].force[2] - total / 12) < 1e-5,
+        "of half the wind a quarter");
+
+  corners[2].position[1] = (float)HUGE_VAL;
+  check(dragcore_deforming_forces(mesh, &motion, 1.2, &law, corners[0].force, stride) == DRAGCORE_INVALID_ARGUMENT &&
+            says("position of vertex 2") && fabs(corners[0].force[2] - total / 12) < 1e-5,
+        "a place that is none is named, and forces stay");
+  corners[2].position[1] = 1;
+  check(
+      dragcore_deforming_forces(mesh, &motion, 1.2, &law, corners[0].force, 2) == DRAGCORE_INVALID_ARGUMENT && says("stride of force = 2"),
+      "no vectors of two numbers");
+  check(dragcore_deforming_forces(mesh, &motion, 1.2, &law, NULL, 3) == DRAGCORE_INVALID_ARGUMENT && says("force is null"), "none nowhere");
+  check(dragcore_deforming_forces(mesh, NULL, 1.2, &law, corners[0].force, stride) == DRAGCORE_INVALID_ARGUMENT && says("motion is NULL"),
+        "nor without a motion");
+  check(dragcore_named_law("closed", &law) == DRAGCORE_OK &&
+            dragcore_deforming_forces(mesh, &motion, 1.2, &law, corners[0].force, stride) == DRAGCORE_INVALID_ARGUMENT &&
+            says("sheet_law()"),
+        "nor by the law of bodies");
+  dragcore_deforming_destroy(mesh);
+  check(dragcore_deforming_create(triangles, 2, 3, DRAGCORE_TWO_SIDED, &mesh) == DRAGCORE_INVALID_ARGUMENT && !mesh &&
+            says("vertex of triangle 1 = 3"),
+        "a vertex that is not there is named");
+  check(dragcore_deforming_create(triangles, 2, 4, 7, &mesh) == DRAGCORE_INVALID_ARGUMENT && says("sides = 7"), "no seventh side");
+  dragcore_deforming_destroy(NULL);
+}
+
 /* A cube and, three metres beside it, a sheet: each has its own law, in either precision. */
 static void bodies_and_sheets(void) {
   dragcore_mesh *cube = NULL, *plate = NULL, *both = NULL;
@@ -472,6 +525,7 @@ int main(void) {
   dragcore_surface_destroy(NULL);
   baked_bodies();
   meshes_and_masses();
+  cloth();
   bodies_and_sheets();
   winds();
   long_messages();

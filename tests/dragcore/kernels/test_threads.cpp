@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 #include <dragcore/batch.hpp>
+#include <dragcore/deforming.hpp>
 
 #include "tests/support/zoo.hpp"
 
@@ -36,6 +37,14 @@ TEST_CASE("one, two, three and eight threads give the same bits", "[kernels][thr
     step_free_bodies(free, {}, 0.01, velocity);
     for (const Wrench& w : wrench) keep(w.force), keep(w.torque);
     for (const Vector6d& v : velocity) keep(v);
+
+    const TriangleMesh cloth = triangulate(Plate{.chord = 1.0, .span = 1.0, .thickness = 0.0}, 80);
+    REQUIRE(cloth.triangles.size() > 8192);  // several chunks of triangles, and of vertices
+    std::vector<Eigen::Vector3f> position, moving, force(cloth.vertices.size());
+    for (const Eigen::Vector3d& r : cloth.vertices)
+      position.push_back((r + random.vector(0.01)).cast<float>()), moving.push_back(random.vector(4.0).cast<float>());
+    DeformingMesh(cloth.triangles, position.size(), Surface::Sides::two).forces(position, moving, {0, 1, 5}, {}, sheet_law(), force);
+    for (const Eigen::Vector3f& f : force) all.insert(all.end(), f.data(), f.data() + 3);
     return all;
   };
   const std::vector<double> alone = tbb::task_arena(1).execute(work);

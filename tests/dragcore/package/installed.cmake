@@ -13,7 +13,7 @@ set(settings -DCMAKE_BUILD_TYPE=Release -DCMAKE_DISABLE_FIND_PACKAGE_HDF5=ON -DC
   -DCMAKE_PREFIX_PATH=${WORK}/prefix)
 run(${CMAKE_COMMAND} -S ${WORK}/prefix/share/dragcore/examples -B ${WORK}/build ${settings} "-DCMAKE_CXX_FLAGS=${FLAGS}")
 run(${CMAKE_COMMAND} --build ${WORK}/build)
-foreach(program first_force minimal_loop falling_paper falling_paper_c left_handed_engine)
+foreach(program first_force minimal_loop falling_paper falling_paper_c left_handed_engine waving_cloth)
   run(${WORK}/build/${program})
 endforeach()
 
