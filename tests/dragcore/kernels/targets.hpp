@@ -64,4 +64,10 @@ void on_equal_targets(Result&& result, Same&& same) {
 
 #endif
 
+/// The same for what has an ==.
+template <class Result>
+void same_bits(Result&& result) {
+  on_equal_targets(result, [](const auto& wide, const auto& narrow) { CHECK(wide == narrow); });
+}
+
 }  // namespace dragcore::kernels

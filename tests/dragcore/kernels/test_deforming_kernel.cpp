@@ -5,7 +5,7 @@
 #include <dragcore/deforming.hpp>
 #include <dragcore/shapes.hpp>
 
-#include "tests/dragcore/kernels/on_targets.hpp"
+#include "tests/dragcore/kernels/targets.hpp"
 #include "tests/support/zoo.hpp"
 
 using namespace dragcore;
@@ -51,7 +51,7 @@ std::vector<Law> every_kernel() {
 TEST_CASE("a deforming mesh has the same bits whatever the width of the vectors", "[kernels][backend][deforming]") {
   const Waves waves(9);
   for (const Surface::Sides sides : {Surface::Sides::one, Surface::Sides::two})
-    for (const Law& law : every_kernel()) on_targets::same_bits([&] { return waves.forces(sides, law); });
+    for (const Law& law : every_kernel()) kernels::same_bits([&] { return waves.forces(sides, law); });
 }
 
 TEST_CASE("a deforming mesh has the reference's forces on every instruction set", "[kernels][backend][deforming]") {
@@ -64,7 +64,7 @@ TEST_CASE("a deforming mesh has the reference's forces on every instruction set"
     for (const Law& law : every_kernel()) {
       const std::vector<Eigen::Vector3d> expected =
           reference::vertex_forces(waves.mesh.triangles, sides, position, velocity, waves.wind, {}, law);
-      on_targets::each([&] {
+      kernels::on_every_target([&] {
         const std::vector<float> found = waves.forces(sides, law);
         for (std::size_t v = 0; v < expected.size(); ++v)
           for (int axis = 0; axis < 3; ++axis)
