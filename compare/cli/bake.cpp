@@ -109,7 +109,9 @@ void add_bake(CLI::App& app, Context&) {
     const Body body = load_body(options->body);
     dragcore::BakedBody baked;
     try {
-      baked = bake(body.surface, options->model.model().on(body.surface), {.rms_error = wanted, .most_bytes = options->most_kib * 1024});
+      dragcore::Model model = options->model.model().on(body.surface);
+      model.precision = dragcore::Precision::single;  // its error is no thousandth of the map's
+      baked = bake(body.surface, model, {.rms_error = wanted, .most_bytes = options->most_kib * 1024});
     } catch (const std::invalid_argument& fault) {
       throw UsageError(std::string(fault.what()) + " (--error, --size)");
     }

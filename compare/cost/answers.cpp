@@ -45,7 +45,10 @@ const Rung* best_of(const std::vector<Rung>& rungs, bool cfd) {
 
 std::vector<const Rung*> pareto_front(const std::vector<Rung>& rungs) {
   std::vector<const Rung*> sorted, front;
-  for (const Rung& rung : rungs) sorted.push_back(&rung);
+  int poses = 0;
+  for (const Rung& rung : rungs) poses = std::max(poses, rung.poses);
+  for (const Rung& rung : rungs)
+    if (2 * rung.poses >= poses) sorted.push_back(&rung);  // an rms over a few poses is another question
   std::sort(sorted.begin(), sorted.end(), [](const Rung* a, const Rung* b) { return a->seconds < b->seconds; });
   for (const Rung* rung : sorted)
     if (front.empty() || rung->errors.relative < nearer * front.back()->errors.relative) front.push_back(rung);

@@ -15,7 +15,7 @@ namespace compare {
 /// A rung is nearer than another when its error is this much smaller: less is no reason to pay more.
 inline constexpr double nearer = 0.98;
 
-/// The rungs that nothing cheaper is as near as, in order of cost.
+/// The rungs that nothing cheaper is as near as, in order of cost; of those that answer half of the poses at least.
 std::vector<const Rung*> pareto_front(const std::vector<Rung>& rungs);
 
 /// From one rung of the front to the next.
