@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <dragcore/baked_file.hpp>
@@ -26,17 +25,6 @@ struct BakeCommand {
   std::string error = "1%", output;
   std::size_t most_kib = 64;
 };
-
-/// "1%" or "0.01".
-double share_from(const std::string& word) {
-  double value = 0.0;
-  const char* last = word.data() + word.size();
-  const auto [end, fault] = std::from_chars(word.data(), last, value);
-  const bool percent = end != last && *end == '%';
-  if (fault != std::errc{} || end + (percent ? 1 : 0) != last || !(value > 0.0) || !((percent ? 0.01 : 1.0) * value < 1.0))
-    throw UsageError(fmt::format("--error {}: a share above 0 and below 100% is needed, such as 1% or 0.01", word));
-  return (percent ? 0.01 : 1.0) * value;
-}
 
 /// Of a C name: what letters, digits and underscores the file's name has.
 std::string c_name(const fs::path& file) {
@@ -105,7 +93,9 @@ void add_bake(CLI::App& app, Context&) {
     const fs::path output = options->output;
     if (!output.empty() && output.extension() != ".h5" && output.extension() != ".h")
       throw UsageError(fmt::format("--output {}: the name must end in .h5 or .h", options->output));
-    const double wanted = share_from(options->error);
+    if (const fs::path folder = output.parent_path(); !folder.empty() && !fs::is_directory(folder))
+      throw UsageError(fmt::format("--output {}: there is no folder {}", options->output, folder.string()));
+    const double wanted = share_from("--error", options->error);
     const Body body = load_body(options->body);
     dragcore::BakedBody baked;
     try {

@@ -2,7 +2,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -91,16 +90,6 @@ void fit(const SourceOptions& source, const std::string& output) {
   fmt::print("{}: fitted to {}\n", output, model.provenance.at("fitted_to"));
 }
 
-/// "2%", "2 %" or "2": per cent.
-double share_from(std::string text) {
-  std::erase_if(text, [](char letter) { return letter == ' ' || letter == '%'; });
-  double value = 0.0;
-  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (fault != std::errc() || end != text.data() + text.size() || !(value > 0.0 && value <= 100.0))
-    throw UsageError("--target '" + text + "': per cent of the force are needed, above 0 and at most 100, such as 2%");
-  return 0.01 * value;
-}
-
 }  // namespace
 
 void add_cost(CLI::App& app, Context& context) {
@@ -130,7 +119,7 @@ void add_cost(CLI::App& app, Context& context) {
   command->add_option("--write", options->write, "Where to put the fitted model: cfd_cases/campaign/cost_model.toml")->needs(fit_option);
   command->callback([options, &context] {
     if (options->fit) return fit(options->source, options->write);
-    const double target = options->target.empty() ? 0.0 : share_from(options->target);  // 0: none asked for
+    const double target = options->target.empty() ? 0.0 : share_from("--target", options->target);  // 0: none asked for
     Sources sources = load(options->source);
     const std::vector<compare::CaseRecord>& records = sources.reference.cases;
     std::optional<compare::Calibration> calibration;

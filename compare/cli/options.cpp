@@ -3,7 +3,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstdio>
+#include <dragcore/unknown_word.hpp>
 #include <filesystem>
 #include <set>
 
@@ -12,7 +14,6 @@
 #include "compare/cli/commands.hpp"
 #include "compare/reference/uncertainty.hpp"
 #include "dragcore/law_file.hpp"
-#include <dragcore/unknown_word.hpp>
 
 namespace cli {
 
@@ -126,6 +127,19 @@ std::string revision() {
   }
   text.erase(text.find_last_not_of(" \n") + 1);
   return text.empty() ? "unknown" : text;
+}
+
+double share_from(const std::string& option, std::string word) {
+  const std::string given = word;
+  std::erase(word, ' ');
+  const bool percent = word.ends_with('%');
+  if (percent) word.pop_back();
+  double value = 0.0;
+  const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (fault == std::errc() && end == word.data() + word.size() && (percent || value >= 1.0)) value *= 0.01;
+  if (fault != std::errc() || end != word.data() + word.size() || !(value > 0.0 && value <= 1.0))
+    throw UsageError(fmt::format("{} '{}': a share above 0 and at most 100% is needed, such as 2% or 0.02", option, given));
+  return value;
 }
 
 }  // namespace cli

@@ -17,7 +17,8 @@ struct BodyInFlow {
 };
 
 /// The total wrench of every body: force [N], torque about its `reference_point` [N m], in its body frame.
-/// @throws std::invalid_argument  as wrench() does, for the first body that has something wrong; unless there is a result for every body
+/// @throws std::invalid_argument  as wrench() does, for the first body that has something wrong, by its number: all others have their
+///                                results then; and unless there is room for every body's
 /// @accuracy  that of the model's Precision
 void wrenches(std::span<const BodyInFlow> bodies, const Medium& medium, std::span<Wrench> results);
 

@@ -262,7 +262,9 @@ class Block {
   Samples steady_, rate_, tumble_;
 };
 
-void check_density(const Medium& medium) {
+void check(const BakedBody& body, const Medium& medium) {
+  require(body.steady.frequency > 0, "baked wrench: frequency of its map", body.steady.frequency,
+          "it must be above 0: make the body by bake(), or read it from a file");
   require(medium.density >= 0.0 && std::isfinite(medium.density), "baked wrench: density", medium.density,
           "it must be finite and not negative [kg/m^3]");
 }
@@ -286,7 +288,7 @@ bool finite(const Wrench& w) { return std::isfinite(w.force.sum() + w.torque.sum
 }  // namespace
 
 Wrench wrench(const BakedBody& body, const Motion& motion, const Medium& medium) {
-  check_density(medium);
+  check(body, medium);
   const Wrench result = unchecked(body, motion, medium);
   if (!finite(result)) not_finite("");
   return result;
@@ -295,7 +297,7 @@ Wrench wrench(const BakedBody& body, const Motion& motion, const Medium& medium)
 void wrenches(const BakedBody& body, std::span<const Motion> motions, const Medium& medium, std::span<Wrench> results) {
   require(results.size() == motions.size(), "wrenches: entries of results", results.size(),
           [&] { return "there are " + std::to_string(motions.size()) + " motions"; });
-  check_density(medium);
+  check(body, medium);
   constexpr std::size_t block = Block::size;
   Block vectors;
   for (std::size_t first = 0; first < motions.size(); first += block) {

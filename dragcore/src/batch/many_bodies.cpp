@@ -3,6 +3,8 @@
 #include <exception>
 #include <map>
 #include <mutex>
+#include <stdexcept>
+#include <string>
 #include <tuple>
 #include <vector>
 
@@ -26,8 +28,17 @@ class FirstError {
       if (!error_ || body < body_) error_ = std::current_exception(), body_ = body;
     }
   }
+  /// Says which body it was.
   void rethrow() const {
-    if (error_) std::rethrow_exception(error_);
+    if (!error_) return;
+    const auto named = [&](const std::exception& error) { return "body " + std::to_string(body_) + " of the batch: " + error.what(); };
+    try {
+      std::rethrow_exception(error_);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(named(error));
+    } catch (const std::overflow_error& error) {
+      throw std::overflow_error(named(error));
+    }
   }
 
  private:

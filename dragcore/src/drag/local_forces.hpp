@@ -102,7 +102,7 @@ void for_each_local_force(const Surface& surface, const Motion& motion, const Me
       const auto feel = [&](const Vector3d& place, bool is_leeward) {
         const Vector3d u = flow.at(place, i);
         const double speed = u.norm(), w = -u.dot(normal);
-        if (!(speed > 0.0) || w == 0.0) return;
+        if (speed == 0.0 || w == 0.0) return;  // what is no number goes on, into the result
         const bool front = (w < 0.0) == is_leeward;  // of the two sides of a sheet one is right for either
         const double side = front ? 1.0 : back;
         if (!(side > 0.0)) return;
@@ -124,7 +124,7 @@ void for_each_local_force(const Surface& surface, const Motion& motion, const Me
       if (const double friction = part.law.friction(); friction > 0.0) {
         instrument::count(Effect::friction);
         const Vector3d u = flow.at(r, i);
-        if (const double speed = u.norm(); speed > 0.0)
+        if (const double speed = u.norm(); speed != 0.0)
           visit(LocalForce{i,
                            Term::friction,
                            r - motion.reference_point,

@@ -85,7 +85,7 @@ static void NAME_add(double sum[6], const float* map, int frequency, int columns
 /* Force [N] and torque about the centre (CENTRE) [N m], body frame.
  * flow: velocity of the air relative to the body at the centre [m/s]; spin: of the body relative to the air [rad/s]; density [kg/m^3].
  * Nothing is felt where they are not finite. */
-static void NAME_wrench(const double flow[3], const double spin[3], double density, double force[3], double torque[3]) {
+static inline void NAME_wrench(const double flow[3], const double spin[3], double density, double force[3], double torque[3]) {
   const double length = LENGTH, still = 1e-280; /* no direction where a square is no normal number */
   double turned[3], sum[6] = {0, 0, 0, 0, 0, 0}, flow2 = 0, turned2 = 0, size2, taken = 0, most = 0, scale;
   int k;

@@ -22,17 +22,18 @@ struct Bodies {
 
   Bodies(const InstanceTask& given, const InstanceMotions& motions, std::size_t lane) : task(given), law(given.law) {
     const Many at{lane};
-    const Vec3 spin = vector(motions.spin, at);
+    // Lengths in units of the size from here on, so that what turns is a speed: a huge body turns by little.
+    const V size = set(task.size), per_size = set(1.0f / task.size), half = set(0.5f);
+    const Vec3 spin = times(vector(motions.spin, at), size);
     V g[3][3];
     for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t k = 0; k < 3; ++k) g[i][k] = at(motions.gradient[3 * i + k]);
+      for (std::size_t k = 0; k < 3; ++k) g[i][k] = hn::Mul(size, at(motions.gradient[3 * i + k]));
     // The gradient of the relative flow, G - [omega], column by column.
     x = {g[0][0], hn::Sub(g[1][0], spin.z), hn::Add(g[2][0], spin.y)};
     y = {hn::Add(g[0][1], spin.z), g[1][1], hn::Sub(g[2][1], spin.x)};
     z = {hn::Sub(g[0][2], spin.y), hn::Add(g[1][2], spin.x), g[2][2]};
-    arm = vector(motions.arm, at);
+    arm = times(vector(motions.arm, at), per_size);
     flow = along(along(along(vector(motions.flow, at), arm.x, x), arm.y, y), arm.z, z);
-    const V half = set(0.5f), per_size = set(1.0f / task.size);
     V strain = hn::Zero(f);
     for (std::size_t i = 0; i < 3; ++i)
       for (std::size_t k = 0; k < 3; ++k) {
@@ -41,18 +42,15 @@ struct Bodies {
       }
     const Vec3 turning{hn::NegMulAdd(half, hn::Sub(g[2][1], g[1][2]), spin.x), hn::NegMulAdd(half, hn::Sub(g[0][2], g[2][0]), spin.y),
                        hn::NegMulAdd(half, hn::Sub(g[1][0], g[0][1]), spin.z)};
-    const V variation = hn::Mul(set(task.size), hn::Add(hn::Sqrt(strain), hn::Sqrt(dot(turning, turning))));
+    const V variation = hn::Add(hn::Sqrt(strain), hn::Sqrt(dot(turning, turning)));
     travel = hn::Sqrt(dot(flow, flow));
     speed = hn::Add(travel, variation);
-    const M in_range = hn::And(hn::And(hn::Gt(speed, set(1e-12f)), hn::Lt(speed, set(1e12f))),
-                               hn::Lt(hn::Mul(dot(arm, arm), hn::Mul(per_size, per_size)), set(1e12f)));
+    const M in_range = hn::And(hn::And(hn::Gt(speed, set(1e-12f)), hn::Lt(speed, set(1e12f))), hn::Lt(dot(arm, arm), set(1e12f)));
     sound = hn::IfThenElseZero(in_range, set(1.0f));
     speed = hn::IfThenElse(in_range, speed, set(1.0f));
     const V per_speed = hn::Div(set(1.0f), speed), per_travel = hn::Div(set(1.0f), hn::Max(travel, set(tiny)));
-    const V turn = hn::Mul(set(task.size), per_speed);
     direction = times(flow, per_travel);
-    flow = times(flow, per_speed), x = times(x, turn), y = times(y, turn), z = times(z, turn);
-    arm = times(arm, per_size);
+    flow = times(flow, per_speed), x = times(x, per_speed), y = times(y, per_speed), z = times(z, per_speed);
     travel = hn::Mul(travel, per_speed);
     const V turned = hn::Mul(variation, per_speed), travel2 = hn::Mul(travel, travel);
     describe(hn::Div(travel2, hn::MulAdd(turned, turned, travel2)));

@@ -357,3 +357,7 @@ TEST_CASE("a stale map is recognised", "[bake]") {
   }
   CHECK_THAT(body.model, Contains("law closed") && Contains("pillow tilt 0.5"));
 }
+
+TEST_CASE("a body that nobody baked is refused", "[bake]") {
+  CHECK_THROWS_WITH(wrench(BakedBody{}, {.wind = {1, 0, 0}}, {}), Catch::Matchers::Contains("bake()"));
+}

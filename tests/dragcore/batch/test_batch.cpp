@@ -155,7 +155,7 @@ TEST_CASE("a batch says which input of its first bad body is wrong, and the othe
   bodies[20].motion.velocity.x() = std::nan("");
   bodies[30].motion.angular_velocity.y() = 1e200;
   std::vector<Wrench> found(bodies.size());
-  CHECK_THROWS_WITH(wrenches(bodies, {}, found), Contains("wrench: motion.velocity") && Contains("nan"));
+  CHECK_THROWS_WITH(wrenches(bodies, {}, found), Contains("body 20 of the batch: wrench: motion.velocity") && Contains("nan"));
   const Wrench alone = wrench(cube, bodies[0].motion, {}, model).total();
   for (const std::size_t i : {0u, 19u, 21u, 29u, 39u}) CHECK((found[i].force - alone.force).norm() <= tolerance * alone.force.norm());
   CHECK_THROWS_WITH(wrenches(bodies, {}, std::span(found).first(39)), Contains("39") && Contains("40 bodies"));
@@ -179,4 +179,32 @@ TEST_CASE("a batch says which input of its first bad body is wrong, and the othe
 TEST_CASE("a batch of nothing is nothing", "[batch]") {
   wrenches({}, {}, {});
   step_free_bodies({}, {}, 0.1, {});
+}
+
+TEST_CASE("without checks what is no number comes out as none, alone and in a batch", "[batch][hard]") {
+  const Surface cube = zoo::surface(Box{}, 1);
+  for (const Precision precision : {Precision::single, Precision::full}) {
+    Model model = model_for(cube);
+    model.check = false, model.precision = precision;
+    const Motion windy{.wind = {std::nan(""), 2, 3}}, sound{.wind = {1, 2, 3}};
+    CHECK_FALSE(wrench(cube, windy, {}, model).total().force.allFinite());
+    const std::vector<BodyInFlow> bodies{{&cube, &model, sound}, {&cube, &model, windy}, {&cube, &model, sound}};
+    std::vector<Wrench> found(bodies.size());
+    wrenches(bodies, {}, found);
+    CHECK_FALSE(found[1].force.allFinite());
+    CHECK(found[0].force.allFinite());
+    CHECK(found[2].force == found[0].force);
+  }
+}
+
+TEST_CASE("a huge body that turns very slowly turns all the same", "[batch][hard]") {
+  // The square of its spin is no number in single precision, but that of what the spin makes of its corners' speed is.
+  const Surface box = zoo::surface(Box{.length = 1e12, .width = 1e12, .height = 1e12}, 1);
+  const Model model = model_for(box);
+  const Motion motion{.velocity = {1e-9, 0, 3e-10}, .angular_velocity = {0, 1.5e-21, 1e-21}};
+  const std::vector<BodyInFlow> bodies(2, {&box, &model, motion});
+  std::vector<Wrench> found(2);
+  wrenches(bodies, {}, found);
+  const Wrench alone = wrench(box, motion, {}, model).total();
+  CHECK((found[0].force - alone.force).norm() <= tolerance * hostile::force_scale(box, motion, Medium{}.density));
 }
