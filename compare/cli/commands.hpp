@@ -93,7 +93,7 @@ Sources load(const SourceOptions& options);
 /// Revision of the tree that the program works in, for provenance; "unknown" outside a repository.
 std::string revision();
 
-/// A share as people write it, "2%", "2 %" or "0.02"; from 1 on a bare number is per cent. @throws UsageError  unless in (0, 1]
+/// A share as people write it, "2%", "2 %" or "0.02"; from 1 on a bare number is per cent. @throws UsageError  unless in (0, 1)
 double share_from(const std::string& option, std::string word);
 
 }  // namespace cli

@@ -137,8 +137,8 @@ double share_from(const std::string& option, std::string word) {
   double value = 0.0;
   const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (fault == std::errc() && end == word.data() + word.size() && (percent || value >= 1.0)) value *= 0.01;
-  if (fault != std::errc() || end != word.data() + word.size() || !(value > 0.0 && value <= 1.0))
-    throw UsageError(fmt::format("{} '{}': a share above 0 and at most 100% is needed, such as 2% or 0.02", option, given));
+  if (fault != std::errc() || end != word.data() + word.size() || !(value > 0.0 && value < 1.0))
+    throw UsageError(fmt::format("{} '{}': a share above 0 and below 100% is needed, such as 2% or 0.02", option, given));
   return value;
 }
 

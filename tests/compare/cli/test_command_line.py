@@ -85,7 +85,7 @@ with tempfile.TemporaryDirectory() as folder:
     run("bake", "box.obj", "--error", "0.05", "--law", "note", "--output", "a-box.h", code=0)
     assert "a_box_wrench(" in open("a-box.h").read()
     for word in ("0", "-1%", "100%", "x", "1%%", ""):
-        assert "such as 1%" in run("bake", "box.obj", "--error", word, "--output", "no.h5", code=2).stderr, word
+        assert "such as 2%" in run("bake", "box.obj", "--error", word, "--output", "no.h5", code=2).stderr, word
     assert ".h5 or .h" in run("bake", "box.obj", "--output", "no.stl", code=2).stderr
     assert "allow more bytes" in run("bake", "box.obj", "--error", "0.01%", "--output", "no.h5", code=2).stderr
     assert "no triangle has an area" in run("bake", "line.obj", "--output", "no.h5", code=3).stderr
