@@ -70,7 +70,7 @@ void add_deforming_rows(int faces) {
 int main(int count, char** words) {
   benchmark::Initialize(&count, words);
   benchmark::AddCustomContext("instruction_set", "best");
-  for (const int faces : {1058, 10082, 100352, 1000000}) add_deforming_rows(faces);  // 2 n^2
+  for (const int faces : {1058, 10082, 100352}) add_deforming_rows(faces);  // 2 n^2
   const bool some = benchmark::RunSpecifiedBenchmarks() > 0;
   return some && !bench::any_wrong ? 0 : 1;
 }

@@ -94,7 +94,7 @@ void add_bake(CLI::App& app, Context&) {
     if (!output.empty() && output.extension() != ".h5" && output.extension() != ".h")
       throw UsageError(fmt::format("--output {}: the name must end in .h5 or .h", options->output));
     if (const fs::path folder = output.parent_path(); !folder.empty() && !fs::is_directory(folder))
-      throw UsageError(fmt::format("--output {}: there is no folder {}", options->output, folder.string()));
+      throw EnvironmentError(fmt::format("--output {}: there is no folder {}", options->output, folder.string()));
     const double wanted = share_from("--error", options->error);
     const Body body = load_body(options->body);
     dragcore::BakedBody baked;

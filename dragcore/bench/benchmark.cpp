@@ -5,6 +5,9 @@
 
 #include <cstdio>
 #include <string>
+#ifdef DRAGCORE_BENCHMARK_BATCH
+#include <tbb/task_arena.h>
+#endif
 
 #include "kernels/wrench_kernel.hpp"
 #include "rows.hpp"
@@ -45,6 +48,12 @@ int main(int count, char** words) {
   bench::add_batch_rows();
 #endif
   bench::add_baked_rows();
-  const bool some = benchmark::RunSpecifiedBenchmarks() > 0;  // rows that met the filter
+  bool some = false;  // rows that met the filter
+  const auto run = [&] { some = benchmark::RunSpecifiedBenchmarks() > 0; };
+#ifdef DRAGCORE_BENCHMARK_BATCH
+  tbb::task_arena(1).execute(run);  // on one thread, but for rows that say otherwise
+#else
+  run();
+#endif
   return some && !bench::any_wrong ? 0 : 1;
 }
