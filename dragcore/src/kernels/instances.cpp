@@ -63,7 +63,9 @@ bool set(InstanceMotions& motions, std::size_t lane, const Motion& motion, const
     for (std::size_t i = 0; i < 9; ++i)
       motions.gradient[i][lane] =
           static_cast<float>(motion.wind_gradient(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3)));
-  return !felt.wind || motion.triangle_wind.empty();
+  // What is not felt must be numbers all the same.
+  return (felt.spin || motion.angular_velocity.allFinite()) &&
+         (felt.wind ? motion.triangle_wind.empty() : motion.wind_gradient.allFinite());
 }
 
 bool density_in_range(const Medium& medium) { return medium.density >= 0.0 && medium.density < 1e100; }

@@ -160,6 +160,12 @@ TEST_CASE("a batch says which input of its first bad body is wrong, and the othe
   for (const std::size_t i : {0u, 19u, 21u, 29u, 39u}) CHECK((found[i].force - alone.force).norm() <= tolerance * alone.force.norm());
   CHECK_THROWS_WITH(wrenches(bodies, {}, std::span(found).first(39)), Contains("39") && Contains("40 bodies"));
   CHECK_THROWS_WITH(wrenches(std::span(bodies).first(20), {.density = -1.0}, std::span(found).first(20)), Contains("density"));
+  // What the model does not feel must be a number, too, as for wrench().
+  Model masked = model;
+  masked.effects = masked.effects.without(Effect::spin | Effect::wind_variation);
+  std::vector<BodyInFlow> two(2, {.surface = &cube, .model = &masked, .motion = {.velocity = {-10, 1, 2}, .angular_velocity = {1, 0, 0}}});
+  two[1].motion.angular_velocity.z() = std::nan("");
+  CHECK_THROWS_WITH(wrenches(two, {}, std::span(found).first(2)), Contains("body 1 of the batch") && Contains("angular_velocity"));
   Model wrong = model;
   wrong.law.friction = -1.0;
   for (BodyInFlow& body : bodies) body = {.surface = &cube, .model = &wrong, .motion = {.velocity = {-10, 1, 2}}};
