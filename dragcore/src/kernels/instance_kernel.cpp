@@ -88,24 +88,10 @@ struct WrenchLanes {
   Sum taken, given;
   V taken_power, given_power;
   HWY_INLINE WrenchLanes() : taken_power(hn::Zero(f)), given_power(hn::Zero(f)) {}
-  template <unsigned on>
-  HWY_INLINE void windward(const Windward& here, const Vec3& n, const Vec3& m, V w) {
-    V holds = here.pressure;
-    if constexpr (on & base) holds = hn::Add(holds, here.base_suction);
-    press(hn::Mul(here.sheltered, holds), n, m, w);
-    if constexpr (on & curvature) push(hn::Mul(here.sheltered, here.curvature), n, m, w);
-  }
-  template <unsigned on>
-  HWY_INLINE void leeward(V area, V pull, V pushes, const Vec3& n, const Vec3& m, V w) {
-    if constexpr (on & HWY_NAMESPACE::leeward) press(hn::Mul(area, pull), n, m, w);
-    if constexpr (on & recovery) push(hn::Mul(area, pushes), n, m, w);
-  }
   HWY_INLINE void rub(V k, const Vec3&, const Vec3& t, const Vec3& r, const Vec3& u) {
     taken.rub(k, t, r);
     taken_power = hn::MulAdd(k, dot(t, u), taken_power);
   }
-
- private:
   HWY_INLINE void press(V pressure, const Vec3& n, const Vec3& m, V w) {
     taken.press(pressure, n, m);
     taken_power = hn::MulAdd(pressure, w, taken_power);
@@ -133,7 +119,7 @@ void uniform_windward(const Bodies& bodies, Sums& result) {
   const Group* groups = bodies.task.surface->uniform_groups();
   for_each_triangle(groups, bodies.task.surface->parts[0].uniform, [&](std::size_t g, One at) {
     uniform_windward_at<on>(bodies.law, groups[g], at, at(groups[g].share), bodies.direction,
-                            [&](const Windward& here, const Vec3& n, const Vec3& m, V w) { sums.template windward<on>(here, n, m, w); });
+                            [&](const Windward& here, const Vec3& n, const Vec3& m, V w) { add_windward<on>(sums, here, n, m, w); });
   });
   result = sums;
 }
@@ -145,7 +131,7 @@ void uniform_straight(const Bodies& bodies, Sums& result) {
   for_each_triangle(groups, bodies.task.surface->parts[0].uniform, [&](std::size_t g, One at) {
     uniform_leeward_at<on>(
         bodies.law, groups[g], at, at(groups[g].share), bodies.direction,
-        [&](V area, V pull, V push, const Vec3& n, const Vec3& m, V w) { sums.template leeward<on>(area, pull, push, n, m, w); });
+        [&](V area, V pull, V push, const Vec3& n, const Vec3& m, V w) { add_leeward<on>(sums, area, pull, push, n, m, w); });
   });
   result = sums;
 }
@@ -165,7 +151,7 @@ void varying_windward(const Bodies& bodies, Sums& result) {
       Vec3 r = point.of(surface.places[g], at);
       if constexpr (on & pillow) r = add(r, shift);
       windward_at<on>(bodies.law, group, at, hn::Mul(at(group.share), point.weight), n, r, bodies.flow_at(r),
-                      [&](const Windward& here, const Vec3&, const Vec3& m, V w) { sums.template windward<on>(here, n, m, w); });
+                      [&](const Windward& here, const Vec3&, const Vec3& m, V w) { add_windward<on>(sums, here, n, m, w); });
     }
   });
   result = sums;
@@ -185,7 +171,7 @@ void varying_straight(const Bodies& bodies, Sums& result) {
       straight_at<on>(
           bodies.law, group, at, hn::Mul(at(group.share), point.weight), n, r, u,
           [&](V wetted, const Vec3& t) { sums.rub(wetted, n, t, r, u); },
-          [&](V area, V pull, V push, const Vec3&, const Vec3& m, V w) { sums.template leeward<on>(area, pull, push, n, m, w); });
+          [&](V area, V pull, V push, const Vec3&, const Vec3& m, V w) { add_leeward<on>(sums, area, pull, push, n, m, w); });
     }
   });
   result = sums;

@@ -264,10 +264,10 @@ struct SecantLanes {
     mixed[6] = hn::MulAdd(b.z, m.x, mixed[6]), mixed[7] = hn::MulAdd(b.z, m.y, mixed[7]), mixed[8] = hn::MulAdd(b.z, m.z, mixed[8]);
   }
   /// A pressure on an area that is signed like the normal speed w.
-  HWY_INLINE void press(V pressure, V w, const Vec3& n, const Vec3& m) {
+  HWY_INLINE void press(V pressure, const Vec3& n, const Vec3& m, V w) {
     dyad(hn::Div(hn::Abs(pressure), hn::Max(hn::Abs(w), set(tiny))), n, m);
   }
-  HWY_INLINE void push(V pressure, V w, const Vec3& n, const Vec3& m) {
+  HWY_INLINE void push(V pressure, const Vec3& n, const Vec3& m, V w) {
     given.press(pressure, n, m);
     given_power = hn::NegMulAdd(pressure, w, given_power);
   }
@@ -278,18 +278,6 @@ struct SecantLanes {
     rubbed_first[1] = hn::MulAdd(k, r.y, rubbed_first[1]);
     rubbed_first[2] = hn::MulAdd(k, r.z, rubbed_first[2]);
     square(rubbed_second, k, r);
-  }
-  template <unsigned on>
-  HWY_INLINE void windward(const Windward& here, const Vec3& n, const Vec3& m, V w) {
-    V holds = here.pressure;
-    if constexpr (on & base) holds = hn::Add(holds, here.base_suction);
-    press(hn::Mul(here.sheltered, holds), w, n, m);
-    if constexpr (on & curvature) push(hn::Mul(here.sheltered, here.curvature), w, n, m);
-  }
-  template <unsigned on>
-  HWY_INLINE void leeward(V area, V pull, V pushes, const Vec3& n, const Vec3& m, V w) {
-    if constexpr (on & HWY_NAMESPACE::leeward) press(hn::Mul(area, pull), w, n, m);
-    if constexpr (on & recovery) push(hn::Mul(area, pushes), w, n, m);
   }
   /// Calls visit(row, sum) for each of them, in the order of SecantSums.
   template <class Visit>
@@ -302,6 +290,20 @@ struct SecantLanes {
     all(given.force, 3), all(given.torque, 3), all(&given_power, 1);
   }
 };
+
+/// Gives sums that tell what holds a body back, press(), from what pushes it, push(), the terms of one side.
+template <unsigned on, class Sums>
+HWY_INLINE void add_windward(Sums& sums, const Windward& here, const Vec3& n, const Vec3& m, V w) {
+  V holds = here.pressure;
+  if constexpr (on & base) holds = hn::Add(holds, here.base_suction);
+  sums.press(hn::Mul(here.sheltered, holds), n, m, w);
+  if constexpr (on & curvature) sums.push(hn::Mul(here.sheltered, here.curvature), n, m, w);
+}
+template <unsigned on, class Sums>
+HWY_INLINE void add_leeward(Sums& sums, V area, V pull, V push, const Vec3& n, const Vec3& m, V w) {
+  if constexpr (on & leeward) sums.press(hn::Mul(area, pull), n, m, w);
+  if constexpr (on & recovery) sums.push(hn::Mul(area, push), n, m, w);
+}
 
 }  // namespace dragcore::kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

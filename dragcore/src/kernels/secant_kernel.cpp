@@ -39,7 +39,7 @@ void windward_secant(const Air& air, std::size_t first, std::size_t last, Rows8&
         Vec3 r = point.of(air.places[g], Many{lane});
         if constexpr (on & pillow) r = add(r, vector(air.shift[g - air.first_shift], Many{lane}));
         windward_at<on>(law, air.groups[g], Many{lane}, hn::Mul(share, point.weight), n, r, flow.at(g, lane, r),
-                        [&](const Windward& here, const Vec3&, const Vec3& m, V w) { secant.template windward<on>(here, n, m, w); });
+                        [&](const Windward& here, const Vec3&, const Vec3& m, V w) { add_windward<on>(secant, here, n, m, w); });
       }
     }
     add(secant, sums, lane);
@@ -62,7 +62,7 @@ void straight_secant(const Air& air, std::size_t first, std::size_t last, Rows8&
         straight_at<on>(
             law, air.groups[g], Many{lane}, hn::Mul(share, point.weight), n, r, flow.at(g, lane, r),
             [&](V wetted, const Vec3& t) { secant.rub(wetted, n, t, r, t); },
-            [&](V area, V pull, V push, const Vec3&, const Vec3& m, V w) { secant.template leeward<on>(area, pull, push, n, m, w); });
+            [&](V area, V pull, V push, const Vec3&, const Vec3& m, V w) { add_leeward<on>(secant, area, pull, push, n, m, w); });
       }
     }
     add(secant, sums, lane);
