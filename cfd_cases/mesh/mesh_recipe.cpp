@@ -170,6 +170,13 @@ MeshRecipe octree_recipe() {
   return recipe;
 }
 
+MeshRecipe recipe_at(MeshRecipe recipe, double reynolds) {
+  if (reynolds >= 50.0 || recipe.hexahedra != 0.0 || recipe.far_radius != 0.0) return recipe;
+  for (double* side : {&recipe.upstream, &recipe.downstream, &recipe.sideways}) *side = std::max(*side, 30.0);
+  recipe.far_size = std::max(recipe.far_size, 6.0);
+  return recipe;
+}
+
 double refinement_of(const std::string& level, bool octree) {
   const auto& known = octree ? kOctreeRefinement : kRefinement;
   if (const auto found = known.find(level); found != known.end()) return found->second;

@@ -26,7 +26,7 @@ struct CaseOfRecord {
 /// that was stepped up and down in angle (variants "up" and "down") no less than half the difference between the two.
 std::vector<CaseOfRecord> cases_of_record(const std::vector<case_record::CaseRecord>& records);
 
-/// "laminar", or the model of turbulence, scale-resolving or not: "k_omega_sst".
+/// "laminar", or the model of turbulence, "k_omega_sst", solved in time or not.
 std::string flow_class(const std::string& flow_model);
 
 }  // namespace compare
