@@ -358,7 +358,7 @@ Matrix parse_matrix(std::string_view text, const fs::path& file) {
               CaseSpec spec = sweep.common;
               spec.mesh_level = level;
               spec.reynolds = reynolds;
-              spec.recipe = recipe_at(spec.recipe, reynolds);
+              spec.recipe = recipe_for(spec.recipe, spec.shape, reynolds);
               spec.pose = {incidence, yaw, roll};
               spec.name = case_name(spec);
               const auto [other, is_new] = seen.emplace(spec.name, node.source().begin);
