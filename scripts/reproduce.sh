@@ -36,5 +36,7 @@ solve reference results/reference.h5
 solve scale_resolving results/reference.h5
 solve spin results/reference.h5
 solve concave results/reference.h5
+solve low_reynolds results/reference.h5
+solve kinds results/reference.h5
 solve studies results/studies.h5
 exit "$status"

@@ -149,8 +149,11 @@ double allowed_surface_error(const dragcore::Shape& shape, const MeshRecipe& rec
   if (std::holds_alternative<dragcore::Plate>(shape) || std::holds_alternative<dragcore::Box>(shape)) return 1e-5;
   // Round sides: a facet of size h lies up to h^2 / 8R inside a circle of radius R = 1/2 scale, and the dual cuts its corners once more;
   // area and volume of a sphere then lose 0.4 and 0.6 (h/R)^2. Twice as much leaves room for the point of a cone, which the dual cuts off.
-  const double h = recipe.body_size * recipe.refinement / 0.5;
-  return 1.2 * h * h;
+  // A flat ellipsoid is more curved for what it encloses, by about its surface over that of a ball of the same width, volume for volume.
+  const double h = recipe.body_size * recipe.refinement / 0.5, allowed = 1.2 * h * h;
+  if (!std::holds_alternative<dragcore::Ellipsoid>(shape)) return allowed;
+  const auto whole = dragcore::properties(shape);
+  return allowed * std::max(1.0, whole.area * 0.5 * body_scale(shape) / (3.0 * whole.volume));
 }
 
 MeshRecipe octree_recipe() {
