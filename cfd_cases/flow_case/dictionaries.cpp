@@ -164,7 +164,7 @@ std::map<std::string, std::string> dictionaries(const CaseSpec& spec, Symmetry s
   const double nu = kinematic_viscosity(spec);
   const Numerics numerics = numerics_on(rung, spec.numerics);
   const Flow flow = flow_of(spec);
-  const bool laminar = spec.flow_model == "laminar", spins = !spec.spin.axis.empty(), still = spec.spin.in_still_air();
+  const bool laminar = spec.laminar(), spins = !spec.spin.axis.empty(), still = spec.spin.in_still_air();
   const bool boxed = spec.recipe.far_radius == 0.0 && !spec.octree();
   std::map<std::string, std::string> files;
   if (spec.time_accurate()) {

@@ -161,7 +161,7 @@ void read_common(Table& table, const fs::path& file, Sweep& sweep) {
   table.numbers("yaw_deg", sweep.yaw, -180.0, 180.0);
   table.numbers("roll_deg", sweep.roll, -180.0, 180.0);
   table.numbers("reynolds", sweep.reynolds, 0.1, 1e9);
-  table.word("flow_model", sweep.common.flow_model, {"laminar", "k_omega_sst", "k_omega_sst_ddes"});
+  table.word("flow_model", sweep.common.flow_model, {"laminar", "laminar_unsteady", "k_omega_sst", "k_omega_sst_ddes"});
   table.words("mesh", sweep.levels, {"coarse", "medium", "fine", "finest"});
   table.flag("held_out", sweep.common.held_out);
   table.integer("retries", sweep.common.retries, 0, 1);
@@ -307,7 +307,8 @@ std::string case_name(const CaseSpec& spec) {
   if (spec.pose.roll != 0.0) name += "_roll-" + angle_text(spec.pose.roll);
   if (!spec.spin.axis.empty()) name += "_spin-" + spec.spin.axis + (spec.spin.ratio > 0.0 ? fmt::format("-{:g}", spec.spin.ratio) : "");
   name += "_re-" + reynolds_text(spec.reynolds);
-  if (spec.flow_model == "laminar") name += "-laminar";
+  if (spec.laminar()) name += "-laminar";
+  if (spec.flow_model == "laminar_unsteady") name += "-unsteady";
   if (spec.flow_model == "k_omega_sst_ddes") name += "-ddes";
   if (spec.octree()) name += "_octree";
   name += "_" + spec.mesh_level;
@@ -357,6 +358,7 @@ Matrix parse_matrix(std::string_view text, const fs::path& file) {
               CaseSpec spec = sweep.common;
               spec.mesh_level = level;
               spec.reynolds = reynolds;
+              spec.recipe = recipe_for(spec.recipe, spec.shape, reynolds);
               spec.pose = {incidence, yaw, roll};
               spec.name = case_name(spec);
               const auto [other, is_new] = seen.emplace(spec.name, node.source().begin);

@@ -73,7 +73,7 @@ struct CaseSpec {
   dragcore::Shape shape;
   PoseDegrees pose;
   double reynolds = 1e5;
-  std::string flow_model = "k_omega_sst";  ///< or "laminar", or "k_omega_sst_ddes", which is time-accurate
+  std::string flow_model = "k_omega_sst";  ///< or "laminar"; time-accurate: "laminar_unsteady", "k_omega_sst_ddes"
   Spin spin;
   TimeSpan time;  ///< of a time-accurate run
   std::string mesh_level = "medium";
@@ -91,8 +91,9 @@ struct CaseSpec {
   bool octree() const { return recipe.hexahedra != 0.0; }
   bool mesh_in_body_frame() const { return turn_wind || octree(); }
   PoseDegrees mesh_pose() const { return mesh_in_body_frame() ? PoseDegrees{} : pose; }  ///< of the body in the frame of the mesh
-  /// Solved in time: scale-resolving models, and bodies that spin in a wind.
-  bool time_accurate() const { return flow_model == "k_omega_sst_ddes" || spin.ratio > 0.0; }
+  bool laminar() const { return flow_model == "laminar" || flow_model == "laminar_unsteady"; }
+  /// Solved in time: wakes that shed, scale-resolving models, and bodies that spin in a wind.
+  bool time_accurate() const { return flow_model == "laminar_unsteady" || flow_model == "k_omega_sst_ddes" || spin.ratio > 0.0; }
 };
 
 /// "plate_incidence-030_re-1e5_medium", "cone-apex_angle_deg-30_incidence-000_re-1e2-laminar_fine": parameters that differ from the shape's

@@ -170,6 +170,17 @@ MeshRecipe octree_recipe() {
   return recipe;
 }
 
+MeshRecipe recipe_for(MeshRecipe recipe, const dragcore::Shape& shape, double reynolds) {
+  if (const auto* ellipsoid = std::get_if<dragcore::Ellipsoid>(&shape)) {
+    const auto [shortest, longest] = std::minmax({ellipsoid->semi_x, ellipsoid->semi_y, ellipsoid->semi_z});
+    recipe.body_size = std::min(recipe.body_size, 0.3 * shortest * shortest / longest / body_scale(shape));
+  }
+  if (reynolds >= 50.0 || recipe.hexahedra != 0.0 || recipe.far_radius != 0.0) return recipe;
+  for (double* side : {&recipe.upstream, &recipe.downstream, &recipe.sideways}) *side = std::max(*side, 30.0);
+  recipe.far_size = std::max(recipe.far_size, 6.0);
+  return recipe;
+}
+
 double refinement_of(const std::string& level, bool octree) {
   const auto& known = octree ? kOctreeRefinement : kRefinement;
   if (const auto found = known.find(level); found != known.end()) return found->second;

@@ -69,7 +69,7 @@ struct CaseRecord {
   dragcore::Shape shape;    ///< a MeshBody carries its triangles
   dragcore::Pose pose;
   double reynolds = 0.0;
-  std::string flow_model;  ///< "laminar", "k_omega_sst", "k_omega_sst_ddes" (scale-resolving, time-accurate)
+  std::string flow_model;  ///< "laminar", "k_omega_sst"; in time: "laminar_unsteady", "k_omega_sst_ddes" (scale-resolving)
   std::string mesh_level;  ///< "coarse", "medium", "fine", "finest"
   bool held_out = false;   ///< not to be used for fitting
   double density = 1.0;    ///< [kg/m^3]

@@ -55,7 +55,7 @@ std::vector<Place> places_of(const std::vector<CaseOfRecord>& cases, const std::
   std::set<std::string> known;
   for (const CaseOfRecord& chosen : cases) {
     const CaseRecord& record = *chosen.family.record;
-    if (!case_record::is_usable(record.status) || record.flow_model == "laminar" || record.reynolds < 1e4 || record.spins()) continue;
+    if (!case_record::is_usable(record.status) || flow_class(record.flow_model) == "laminar" || record.reynolds < 1e4 || record.spins()) continue;
     Place place{&record, shape_label(record.shape), record.pose.rotation(), motion_of(record)};
     known.insert(place.body);
     if (place.body.find(only) == std::string::npos) continue;

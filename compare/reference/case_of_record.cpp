@@ -126,8 +126,9 @@ CaseOfRecord chosen_from(std::vector<CaseFamily> families) {
 }  // namespace
 
 std::string flow_class(const std::string& flow_model) {
-  const std::string scale_resolving = "_ddes";
-  return flow_model.ends_with(scale_resolving) ? flow_model.substr(0, flow_model.size() - scale_resolving.size()) : flow_model;
+  for (const std::string_view in_time : {"_ddes", "_unsteady"})
+    if (flow_model.ends_with(in_time)) return flow_model.substr(0, flow_model.size() - in_time.size());
+  return flow_model;
 }
 
 std::vector<CaseOfRecord> cases_of_record(const std::vector<CaseRecord>& records) {

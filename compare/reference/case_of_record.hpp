@@ -27,7 +27,7 @@ struct CaseOfRecord {
 /// discretisation is not assessed yields to one whose u is complete, unless the entry of its method holds the mesh.
 std::vector<CaseOfRecord> cases_of_record(const std::vector<case_record::CaseRecord>& records);
 
-/// "laminar", or the model of turbulence, scale-resolving or not: "k_omega_sst".
+/// "laminar", or the model of turbulence, "k_omega_sst", solved in time or not.
 std::string flow_class(const std::string& flow_model);
 
 }  // namespace compare

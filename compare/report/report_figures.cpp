@@ -226,7 +226,7 @@ json face_pressure_figure(const Report& report) {
   for (const ErrorRow& row : report.models.front().table.rows) of_record.insert(row.case_name);
   for (std::size_t i = 0; i < std::min(report.reference.cases.size(), report.reference.patches.size()); ++i) {
     const CaseRecord& record = report.reference.cases[i];
-    if (!of_record.contains(record.name) || !case_record::is_usable(record.status) || record.flow_model == "laminar") continue;
+    if (!of_record.contains(record.name) || !case_record::is_usable(record.status) || flow_class(record.flow_model) == "laminar") continue;
     const dragcore::ShapeProperties body = dragcore::properties(record.shape);
     for (const PatchMean& patch : report.reference.patches[i]) {
       if (patch.name.starts_with("curved") || patch.area < edge * body.reference_area) continue;

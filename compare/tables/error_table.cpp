@@ -118,9 +118,9 @@ std::vector<ErrorSummary> summaries_of(const std::vector<ErrorRow>& rows, const 
 /// The whole table in a few numbers.
 std::vector<ErrorSummary> totals_of(const std::vector<ErrorRow>& rows) {
   const std::array<std::pair<const char*, std::function<bool(const ErrorRow&)>>, 3> groups = {
-      {{"turbulent", [](const ErrorRow& row) { return row.flow_model != "laminar" && !row.held_out; }},
-       {"turbulent, held out", [](const ErrorRow& row) { return row.flow_model != "laminar" && row.held_out; }},
-       {"laminar", [](const ErrorRow& row) { return row.flow_model == "laminar"; }}}};
+      {{"turbulent", [](const ErrorRow& row) { return flow_class(row.flow_model) != "laminar" && !row.held_out; }},
+       {"turbulent, held out", [](const ErrorRow& row) { return flow_class(row.flow_model) != "laminar" && row.held_out; }},
+       {"laminar", [](const ErrorRow& row) { return flow_class(row.flow_model) == "laminar"; }}}};
   std::vector<ErrorSummary> totals;
   for (const auto& [name, belongs] : groups)
     for (const Channel channel : all_channels) {

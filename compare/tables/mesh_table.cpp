@@ -53,7 +53,7 @@ std::vector<MeshRow> mesh_rows(const std::vector<case_record::CaseRecord>& recor
     const std::pair key(dragcore::kind(record.shape), fmt::format("Re {:g}, {}", record.reynolds, record.flow_model));
     MeshRow& row = rows[key];
     row.body = key.first, row.flow = key.second;
-    row.aim = record.flow_model == "laminar" ? 0.015 : 0.03;
+    row.aim = flow_class(record.flow_model) == "laminar" ? 0.015 : 0.03;
     ++row.poses;
     if (!family.uncertainty.discretisation_assessed) {
       ++row.unknown;

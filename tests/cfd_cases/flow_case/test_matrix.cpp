@@ -120,6 +120,10 @@ mesher = "octree"
 incidence_deg = 35
 variant = "up"
 start = "plate_incidence-030_re-1e5-ddes_octree_medium_up"
+[[sweep]]
+shape = "sphere"
+reynolds = [10, 300]
+flow_model = "laminar_unsteady"
 )");
   CHECK(matrix.cases[0].name == "cube_spin-xy_re-1e2-laminar_medium");
   CHECK(matrix.cases[0].spin.in_still_air());
@@ -131,6 +135,10 @@ start = "plate_incidence-030_re-1e5-ddes_octree_medium_up"
   CHECK(matrix.cases[3].start->name == matrix.cases[2].name);
   CHECK(matrix.cases[4].start->name == matrix.cases[3].name);
   CHECK(matrix.cases[5].start->name == matrix.cases[4].name);
+  CHECK(matrix.cases[7].name == "sphere_incidence-000_re-3e2-laminar-unsteady_medium");
+  CHECK(matrix.cases[7].laminar());
+  CHECK(matrix.cases[7].time_accurate());
+  CHECK(matrix.cases[6].recipe.upstream > matrix.cases[7].recipe.upstream);  // slow flow needs wide air
 }
 
 TEST_CASE("what does not go together is refused", "[cfd_cases][matrix][hard]") {
@@ -163,6 +171,19 @@ TEST_CASE("the tiers of the repository can be read, and quick holds what the mai
   }
   CHECK(load_matrix("smoke").cases.size() == 2);
   CHECK(load_matrix("reference").cases.size() > 60);
+  // Bodies that no fit may see, drawn by lot: six of the thirteen new kinds, three of the ten at low Reynolds numbers.
+  for (const auto& [tier, bodies, unseen] : {std::tuple{"kinds", 13u, 6u}, std::tuple{"low_reynolds", 10u, 3u}}) {
+    std::set<std::string> all, held_out;
+    for (const auto& spec : load_matrix(tier).cases) {
+      std::string body = dragcore::kind(spec.shape);
+      for (const auto& [parameter, value] : dragcore::changed_parameters(spec.shape)) body += parameter + std::to_string(value);
+      all.insert(body);
+      if (spec.held_out) held_out.insert(body);
+    }
+    CAPTURE(tier);
+    CHECK(all.size() == bodies);
+    CHECK(held_out.size() == unseen);
+  }
   CHECK_THROWS_WITH(load_matrix("no-such-tier"), Contains("no-such-tier") && Contains("smoke"));
 }
 

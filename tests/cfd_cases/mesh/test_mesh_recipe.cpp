@@ -85,6 +85,22 @@ TEST_CASE("levels scale all sizes by one constant ratio and no distance", "[cfd_
   CHECK_THROWS_AS(refinement_of("ultra"), std::invalid_argument);
 }
 
+TEST_CASE("slow flow gets wide air, flat ellipsoids a fine rim, all else the recipe of record", "[cfd_cases][mesh]") {
+  const MeshRecipe usual, wide = recipe_for(usual, dragcore::Box{}, 10.0);
+  CHECK(to_json(recipe_for(usual, dragcore::Box{}, 100.0)) == to_json(usual));
+  CHECK(std::min({wide.upstream, wide.downstream, wide.sideways}) == 30.0);
+  CHECK(wide.body_size == usual.body_size);
+  MeshRecipe wider = usual;
+  wider.sideways = 60.0;  // a study's
+  CHECK(recipe_for(wider, dragcore::Box{}, 10.0).sideways == 60.0);
+  MeshRecipe round = usual;
+  round.far_radius = 8.0;  // of bodies that spin: their flow dies away faster
+  CHECK(to_json(recipe_for(round, dragcore::Box{}, 4.0)) == to_json(round));
+  // 0.3 of the radius at the rim, 0.2^2 / 0.5; blunter ellipsoids keep the size of all bodies.
+  CHECK(recipe_for(usual, dragcore::Ellipsoid{0.2, 0.5, 0.5}, 100.0).body_size == Approx(0.024));
+  CHECK(recipe_for(usual, dragcore::Ellipsoid{1.25, 0.5, 0.5}, 100.0).body_size == usual.body_size);
+}
+
 TEST_CASE("recipe and shape survive the way to the meshing program", "[cfd_cases][mesh]") {
   MeshRecipe recipe;
   recipe.wake_length = 4.25;
