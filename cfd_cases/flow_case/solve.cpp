@@ -98,11 +98,12 @@ Channels null_channels(const CaseSpec& spec, const Channels& mean) {
   return is_null.cwiseProduct(mean.cwiseAbs());
 }
 
-/// The solver's files as they are run. Gradients are kept from where they are first needed in an iteration to where they are needed again: the
-/// same bits for a fifth less CPU time (docs/cfd.md). So this is no part of the key, which holds the text of dictionaries().
+/// The solver's files as they are run. In steady flow gradients are kept from where they are first needed in an iteration to where they are
+/// needed again: the same forces to the last digit for a fifth less CPU time (docs/cfd.md). So this is no part of the key, which holds the
+/// text of dictionaries(). In time they round differently, which a wake that is resolved does not forget.
 std::map<std::string, std::string> files_to_run(const CaseSpec& spec, Symmetry symmetry, Rung rung) {
   auto files = dictionaries(spec, symmetry, rung);
-  files.at("system/fvSolution") += "cache { grad(U); grad(p); grad(k); grad(omega); }\n";
+  if (!spec.time_accurate()) files.at("system/fvSolution") += "cache { grad(U); grad(p); grad(k); grad(omega); }\n";
   return files;
 }
 
