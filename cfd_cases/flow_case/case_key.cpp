@@ -33,6 +33,7 @@ CaseIdentity identify(const CaseSpec& spec, const Tools& tools) {
   CaseIdentity id;
   id.recipe = spec.recipe;
   id.recipe.refinement = refinement_of(spec.mesh_level, spec.octree());
+  id.recipe.dual_feature_angle_deg = kept_feature_angle_deg(spec.shape, id.recipe.dual_feature_angle_deg);
   if (spec.mesh_in_body_frame()) id.to_wind = spec.pose.radians().rotation();
   if (spec.half_model) id.symmetry = find_symmetry(spec.shape, spec.pose.radians(), spec.spin.direction(), id.to_wind);
   const auto degrees = [](const PoseDegrees& pose) {

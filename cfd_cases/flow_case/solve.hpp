@@ -35,6 +35,10 @@ case_record::CaseRecord asked_record(const CaseSpec& spec, const CaseIdentity& i
 case_record::SurfaceSample read_surface(const std::filesystem::path& case_folder, const PolyMesh& mesh,
                                         const case_record::Load& meshed_load, double scale);
 
+/// How many cells of the mesh turn with the body: those of the zone that topoSet made. @throws CaseFailure when there are none, for then
+/// the rotating frame idles and the solver still returns 0
+int spinning_cells(const std::filesystem::path& case_folder);
+
 /// Newest time folder of a case with results. @throws CaseFailure when there is none
 std::filesystem::path last_time_folder(const std::filesystem::path& case_folder);
 

@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <stdexcept>
 #include <vector>
 
@@ -144,9 +145,19 @@ double body_scale(const dragcore::Shape& shape) {
   return extent[1];
 }
 
+double kept_feature_angle_deg(const dragcore::Shape& shape, double asked) {
+  const auto* prism = std::get_if<dragcore::Prism>(&shape);
+  if (!prism) return asked;  // plates and boxes turn by 90 degrees, and the sides of all other bodies are round
+  // At the point; the turn at the base, 90 degrees and half the angle of the point, is never below 90, nor that at the ends.
+  const double turn = 180.0 - prism->apex_angle * 180.0 / std::numbers::pi;
+  return turn > asked ? asked : 0.9 * turn;
+}
+
 double allowed_surface_error(const dragcore::Shape& shape, const MeshRecipe& recipe) {
   // Flat sides are exact but for the 12 digits of the file and OpenCASCADE's tolerance of 1e-7.
-  if (std::holds_alternative<dragcore::Plate>(shape) || std::holds_alternative<dragcore::Box>(shape)) return 1e-5;
+  if (std::holds_alternative<dragcore::Plate>(shape) || std::holds_alternative<dragcore::Box>(shape) ||
+      std::holds_alternative<dragcore::Prism>(shape))
+    return 1e-5;
   // Round sides: a facet of size h lies up to h^2 / 8R inside a circle of radius R = 1/2 scale, and the dual cuts its corners once more;
   // area and volume of a sphere then lose 0.4 and 0.6 (h/R)^2. Twice as much leaves room for the point of a cone, which the dual cuts off.
   // A flat ellipsoid is more curved for what it encloses, by about its surface over that of a ball of the same width, volume for volume.

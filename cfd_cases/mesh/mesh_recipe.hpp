@@ -43,7 +43,7 @@ struct MeshRecipe {
   double upstream = 8.0;  ///< air between the body and the inlet; blockage costs 3 % of C_D at 5 on a cube
   double downstream = 15.0;
   double sideways = 8.0;
-  double dual_feature_angle_deg = 60.0;  ///< edges sharper than this stay edges in the polyhedral dual
+  double dual_feature_angle_deg = 60.0;  ///< edges sharper than this stay edges in the polyhedral dual; see kept_feature_angle_deg()
   double refinement = 1.0;
 
   // What follows is 0 in the recipe of record and then left out of the description, so that a new choice does not rename old cases.
@@ -55,6 +55,10 @@ struct MeshRecipe {
 
 /// The largest relative error of area and volume that a correct mesh may have: rounding for flat sides, faceting for round ones.
 double allowed_surface_error(const dragcore::Shape& shape, const MeshRecipe& recipe);
+
+/// The angle for polyDualMesh, which keeps the edges that turn by more [deg]: `asked`, or 0.9 of the smallest turn between two flat sides
+/// of the body where that is not more than `asked` and the dual would bevel it.
+double kept_feature_angle_deg(const dragcore::Shape& shape, double asked);
 
 /// The recipe of an octree of cubes around a body with flat sides, for scale-resolving runs: the size on the body fits a plate of
 /// thickness 0.05. Levels differ by 2; a cube is content with "coarse", which does not fit such a plate.

@@ -51,6 +51,13 @@ double relative_uncertainty(const CaseFamily& family) {
                           : family.uncertainty.total.head<3>().norm() / record.load.force().norm();
 }
 
+/// Does u hold the mesh? What is not known is not small.
+bool is_complete(const CaseFamily& family) {
+  if (family.uncertainty.discretisation_assessed) return true;
+  const MethodUncertainty* known = method_uncertainty(*family.record);
+  return known && known->holds_mesh;
+}
+
 /// Half the difference between two branches is the standard deviation of a flow that is on one of them.
 void add_branches(std::vector<CaseFamily>& families) {
   for (CaseFamily& up : families)
@@ -78,9 +85,10 @@ std::string value_text(const CaseFamily& family) {
   if (!is_usable(family.record->status)) return family.record->name + ": " + case_record::to_string(family.record->status);
   const Vector3d c = force_coefficients(family);
   const bool sideways = family.record->pose.yaw != 0.0;
-  return fmt::format("{}: C_D {:.3f}, {} {:.3f}, u {:.1f} % ({:.1f} % the method)", family.record->name, c[0], sideways ? "C_S" : "C_L",
+  return fmt::format("{}: C_D {:.3f}, {} {:.3f}, u {:.1f} % ({:.1f} % the method{})", family.record->name, c[0], sideways ? "C_S" : "C_L",
                      sideways ? c[1] : c[2], 100.0 * relative_uncertainty(family),
-                     100.0 * force_uncertainty(family, family.uncertainty.method) / c.norm());
+                     100.0 * force_uncertainty(family, family.uncertainty.method) / c.norm(),
+                     is_complete(family) ? "" : ", without the mesh");
 }
 
 CaseOfRecord chosen_from(std::vector<CaseFamily> families) {
@@ -97,7 +105,9 @@ CaseOfRecord chosen_from(std::vector<CaseFamily> families) {
   if (std::any_of(families.begin(), families.end(), ordinary))
     std::erase_if(families, [&](const CaseFamily& family) { return !ordinary(family); });
 
-  const auto rank = [](const CaseFamily& family) { return std::tuple(!is_usable(family.record->status), relative_uncertainty(family)); };
+  const auto rank = [](const CaseFamily& family) {
+    return std::tuple(!is_usable(family.record->status), !is_complete(family), relative_uncertainty(family));
+  };
   const auto best =
       std::min_element(families.begin(), families.end(), [&](const CaseFamily& a, const CaseFamily& b) { return rank(a) < rank(b); });
   CaseOfRecord result;
@@ -107,7 +117,7 @@ CaseOfRecord chosen_from(std::vector<CaseFamily> families) {
   for (std::size_t i = 0; i < result.alternatives.size(); ++i) {
     const bool branch = on_another_branch(result.family, result.alternatives[i]);
     if (branch) result.other_branch = i;
-    result.note += (i == 0 ? value_text(result.family) + "; taken for the smallest u, not " : "; ") + value_text(result.alternatives[i]) +
+    result.note += (i == 0 ? value_text(result.family) + "; taken, not " : "; ") + value_text(result.alternatives[i]) +
                    (branch ? ", the other of two branches" : "");
   }
   return result;

@@ -23,7 +23,8 @@ struct CaseOfRecord {
 /// was solved.
 ///
 /// The smallest standard uncertainty of the force vector, over its length, wins, u_method included: method_uncertainty.toml, and for a flow
-/// that was stepped up and down in angle (variants "up" and "down") no less than half the difference between the two.
+/// that was stepped up and down in angle (variants "up" and "down") no less than half the difference between the two. A family whose
+/// discretisation is not assessed yields to one whose u is complete, unless the entry of its method holds the mesh.
 std::vector<CaseOfRecord> cases_of_record(const std::vector<case_record::CaseRecord>& records);
 
 /// "laminar", or the model of turbulence, "k_omega_sst", solved in time or not.

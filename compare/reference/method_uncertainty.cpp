@@ -21,6 +21,8 @@ const std::vector<MethodUncertainty>& method_uncertainties() {
         const std::string name(key.str());
         if (name == "relative")
           entry.relative = value.value<double>().value();
+        else if (name == "holds_mesh")
+          entry.holds_mesh = value.value<bool>().value();
         else if (name == "reason")
           entry.reason = value.value<std::string>().value();
         else if (name == "evidence")

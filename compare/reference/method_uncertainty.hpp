@@ -10,7 +10,8 @@ namespace compare {
 /// What the equations of a method leave open, however fine the mesh: one entry of method_uncertainty.toml.
 struct MethodUncertainty {
   CaseSelector cases;
-  double relative = 0.0;  ///< one standard uncertainty over the force
+  double relative = 0.0;    ///< one standard uncertainty over the force
+  bool holds_mesh = false;  ///< `relative` was judged from solutions on other meshes and covers the error of a single one
   std::string reason;
   std::string evidence;  ///< key in references.bib, or the command that shows it
 };

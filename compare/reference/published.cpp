@@ -120,7 +120,7 @@ double numerical_uncertainty(const CaseFamily& family, const Quantity& quantity,
       std::vector<double> cells, values;
       for (const CaseRecord* level : levels)
         cells.push_back(level->cells), values.push_back(quantity(*level, level->load.force(), level->load.moment()));
-      mesh = (levels.size() == 2 ? two_grid_study(cells, values) : grid_study(cells, values)).uncertainty;
+      mesh = mesh_study(cells, values, record.flow_model).uncertainty;
       u = (u.cwiseAbs2() - family.uncertainty.discretisation.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
     } catch (const std::invalid_argument&) {  // refused meshes: the forces have what is carried
     }

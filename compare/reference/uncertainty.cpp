@@ -108,7 +108,7 @@ CaseRecord::Channels load_of(const CaseRecord& record) {
 
 }  // namespace
 
-GridStudy grid_study(const std::vector<double>& cells, const std::vector<double>& values) {
+GridStudy grid_study(const std::vector<double>& cells, const std::vector<double>& values, double earned) {
   const std::size_t n = cells.size();
   if (n < 3 && n == values.size())
     throw std::invalid_argument(fmt::format("{} meshes; the discretisation uncertainty needs at least 3", n));
@@ -165,7 +165,7 @@ GridStudy grid_study(const std::vector<double>& cells, const std::vector<double>
   const double spread = 1.0 / (static_cast<double>(n) - 1.0);  // range / (n - 1), what the standard deviation is held against
   const double lowest_trusted = blind ? 1.0 : 0.5;             // three meshes show no scatter: a slow fall of theirs may be one
   const bool trusted = free && order >= lowest_trusted && order <= 2.1 && fit.deviation < spread;
-  const double safety = trusted ? 1.25 : 3.0;
+  const double safety = trusted ? earned : 3.0;
   // Where scatter hides the trend an extrapolation may go anywhere: it counts up to what three meshes without a trend get.
   const double wide = fit.deviation < spread
                           ? safety * fit.error + fit.deviation + std::abs(fit.residual)
@@ -187,6 +187,10 @@ GridStudy two_grid_study(const std::vector<double>& cells, const std::vector<dou
   return {.uncertainty = safety * std::abs(correction) / 2.0,
           .extrapolated = levels[0].second + correction,
           .branch = fmt::format("two levels, order {:g} assumed, safety factor {:g}", order, safety)};
+}
+
+GridStudy mesh_study(const std::vector<double>& cells, const std::vector<double>& values, const std::string& flow_model) {
+  return cells.size() == 2 ? two_grid_study(cells, values) : grid_study(cells, values, flow_model.starts_with("laminar") ? 1.25 : 3.0);
 }
 
 double propagated(const CaseRecord& record, const LoadUncertainty::Channels& u,
@@ -251,14 +255,14 @@ Channels carrying_scale(const CaseRecord& record) {
 }
 
 /// u_disc from the usable levels, every channel with the branch that found it.
-void study_levels(CaseFamily& family, GridStudy (*study)(const std::vector<double>&, const std::vector<double>&)) {
+void study_levels(CaseFamily& family) {
   LoadUncertainty& u = family.uncertainty;
   u.branches.clear();
   try {
     for (Eigen::Index channel = 0; channel < 6; ++channel) {
       std::vector<double> cells, values;
       for (const CaseRecord* level : family.usable_levels()) cells.push_back(level->cells), values.push_back(load_of(*level)[channel]);
-      const GridStudy found = study(cells, values);
+      const GridStudy found = mesh_study(cells, values, family.record->flow_model);
       u.discretisation[channel] = found.uncertainty;
       u.branches.push_back(found.branch);
     }
@@ -350,7 +354,7 @@ std::vector<CaseFamily> case_families(const std::vector<CaseRecord>& records) {
     std::stable_sort(family.levels.begin(), family.levels.end(), [](const auto* a, const auto* b) { return a->cells < b->cells; });
     const auto usable = family.usable_levels();
     family.record = usable.empty() ? family.levels.back() : usable.back();
-    if (usable.size() >= 2) study_levels(family, usable.size() == 2 ? two_grid_study : grid_study);
+    if (usable.size() >= 2) study_levels(family);
     list.push_back(std::move(family));
   }
 

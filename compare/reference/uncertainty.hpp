@@ -24,14 +24,20 @@ struct GridStudy {
 /// which also is the most that four or more get where scatter hides the trend. `dragval truth --held-back` shows how often that holds.
 /// @param cells   number of cells of each mesh; the cell size is cells^(-1/3)
 /// @param values  same order
+/// @param earned  safety factor of a clean order, where it is to be less trusted than with 1.25
 /// @throws std::invalid_argument  fewer than three meshes, sizes that do not match, or two meshes less than 5 % apart in cell size
 ///                                (the same mesh twice would fake convergence)
-GridStudy grid_study(const std::vector<double>& cells, const std::vector<double>& values);
+GridStudy grid_study(const std::vector<double>& cells, const std::vector<double>& values, double earned = 1.25);
 
 /// Generalised Richardson extrapolation from two meshes, which show no order: that of the scheme, 2, is assumed, and the safety factor 3
 /// gives the 95 % figure (Roache 1998, sec. 5.9), so that u = 3/2 |phi_1 - phi_2| / (r^2 - 1) with r the ratio of cell sizes.
 /// @throws std::invalid_argument  as grid_study(), for anything but two meshes
 GridStudy two_grid_study(const std::vector<double>& cells, const std::vector<double>& values);
+
+/// What is said of a flow on two meshes by two_grid_study(), on more by grid_study(): laminar flow earns its factor 1.25, a turbulent one
+/// keeps the factor 3 whatever its order, since wakes that settle on three meshes were seen to change on the fourth (docs/cfd.md).
+/// @throws std::invalid_argument  as those do
+GridStudy mesh_study(const std::vector<double>& cells, const std::vector<double>& values, const std::string& flow_model);
 
 /// Standard uncertainty of the mean load of a case, SI channels.
 struct LoadUncertainty {
@@ -75,10 +81,10 @@ std::optional<LoadUncertainty::Channels> discretisation_at(const CaseFamily& fam
 
 /// Groups records that differ in nothing but the mesh level, in order of name. Pointers into `records`.
 ///
-/// The discretisation uncertainty comes from grid_study() where three or more levels are usable. Elsewhere it is carried from the
+/// The discretisation uncertainty comes from mesh_study() where three or more levels are usable. Elsewhere it is carried from the
 /// representative family (three levels, same body or else kind of shape, flow model and spin, no variant) whose wind, or axis of spin, is
 /// nearest in the body's frame: the distance of its mesh of the same level from its finest and the u of the finest, relative to max(|C| of
-/// the channel, 0.3 of the force, or 0.1 for a moment); and two usable levels give two_grid_study(), never less than what is carried.
+/// the channel, 0.3 of the force, or 0.1 for a moment); and two usable levels give mesh_study(), never less than what is carried.
 /// docs/conventions.md, "Uncertainty".
 std::vector<CaseFamily> case_families(const std::vector<case_record::CaseRecord>& records);
 

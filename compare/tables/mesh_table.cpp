@@ -138,7 +138,7 @@ std::vector<HeldBackRow> held_back_rows(const std::vector<case_record::CaseRecor
     levels.pop_back();
     std::vector<double> cells, drag;
     for (const auto* level : levels) cells.push_back(level->cells), drag.push_back(level->load.force().x());
-    const GridStudy study = levels.size() == 2 ? two_grid_study(cells, drag) : grid_study(cells, drag);
+    const GridStudy study = mesh_study(cells, drag, family.record->flow_model);
     const std::pair key(levels.size() == 2 ? "two meshes, factor 3" : fmt::format("three or more, factor {:g}", study.safety),
                         family.record->flow_model);
     HeldBackRow& row = rows[key];

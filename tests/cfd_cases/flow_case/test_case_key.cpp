@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "cfd_cases/flow_case/case_key.hpp"
 
@@ -80,6 +81,26 @@ TEST_CASE("a key does not change with where, how fast and for whom a case is sol
   CHECK(identify(spec, elsewhere).key == key);
   // Ranks cannot change it: they are not part of a CaseSpec, and no generated file of the key mentions them.
   CHECK(identify(spec, kTools).description.find("numberOfSubdomains") == std::string::npos);
+}
+
+TEST_CASE("the dual's angle follows the shape only where 60 degrees would bevel an edge", "[cfd_cases][key][limit]") {
+  const auto angle = [](const dragcore::Shape& shape) {
+    CaseSpec spec;
+    spec.shape = shape;
+    return identify(spec, kTools).recipe.dual_feature_angle_deg;
+  };
+  constexpr double degree = std::numbers::pi / 180.0;
+  for (const dragcore::Shape& shape :
+       {dragcore::Shape(dragcore::Plate{}), dragcore::Shape(dragcore::Box{}), dragcore::Shape(dragcore::Cone{}),
+        dragcore::Shape(dragcore::Prism{}), dragcore::Shape(dragcore::Prism{.apex_angle = 119.0 * degree})})
+    CHECK(angle(shape) == 60.0);
+  CHECK(angle(dragcore::Prism{.apex_angle = 150.0 * degree}) == Approx(27.0).epsilon(1e-12));
+  // A stored description says the same again.
+  CaseSpec spec;
+  spec.shape = dragcore::Prism{.apex_angle = 150.0 * degree};
+  const CaseIdentity once = identify(spec, kTools);
+  spec.recipe.dual_feature_angle_deg = once.recipe.dual_feature_angle_deg;
+  CHECK(identify(spec, kTools).key == once.key);
 }
 
 TEST_CASE("new choices that are not made leave old keys as they were", "[cfd_cases][key][regression]") {
