@@ -30,10 +30,10 @@ double asymmetry(const CaseFamily& family) {
   return worst;
 }
 
-/// Usable, at rest, and no variant of the numerics; the two ways through a range of angles are cases of their own.
+/// Solved on a mesh, usable, at rest, and no variant of the numerics; the two ways through a range of angles are cases of their own.
 bool is_counted(const case_record::CaseRecord& record) {
   const std::string variant = split_name(record.name, record.mesh_level).variant;
-  return is_usable(record.status) && !record.spins() && (variant.empty() || variant == "up" || variant == "down");
+  return is_usable(record.status) && !record.is_experiment() && !record.spins() && (variant.empty() || variant == "up" || variant == "down");
 }
 
 double median(std::vector<double>& values) {
