@@ -321,7 +321,7 @@ json reynolds_figure(const Report& report) {
                  {"scale",
                   {{"domain", json::array()},
                    {"range", {json::array({8, 3}), json::array({2, 2}), json::array({6, 2, 1, 2}), json::array({1, 0})}}}},
-                 {"legend", {{"symbolType", "stroke"}, {"symbolStrokeColor", "#777"}, {"symbolSize", 500}}}};
+                 {"legend", {{"symbolType", "stroke"}, {"symbolStrokeColor", "#777"}, {"symbolSize", 500}, {"columns", 2}}}};
     json layers = json::array();
     const auto layer = [&](const json& values, const json& mark, const json& encoding) {
       if (!values.empty()) layers.push_back({{"data", {{"values", values}}}, {"mark", mark}, {"encoding", encoding}});
@@ -347,7 +347,7 @@ json reynolds_figure(const Report& report) {
     layer(solved, {{"type", "point"}, {"fill", "black"}, {"size", 40}, {"opacity", 1}}, encoding);
     layer(measured, {{"type", "point"}, {"shape", "diamond"}, {"size", 80}, {"strokeWidth", 2}, {"opacity", 1}, {"fill", "white"}},
           encoding);
-    spec["concat"].push_back({{"width", 400}, {"height", 270}, {"layer", layers}});
+    spec["concat"].push_back({{"width", 460}, {"height", 270}, {"layer", layers}});
   }
   if (!any) return nullptr;
   spec["spacing"] = 60;
