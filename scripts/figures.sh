@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Draws the README's figures from the references: docs/figures/*.svg. Arguments go to `dragval report`: --matrix quick for the cone, cube and
+# Draws the figures of README and docs from the references: docs/figures/*.svg. Arguments go to `dragval report`: --matrix quick for the cone, cube and
 # plate of the README, --cache .dragval for runs that are not collected yet.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -7,8 +7,11 @@ cd "$(dirname "$0")/.."
 specs=$(mktemp -d)
 trap 'rm -r "$specs"' EXIT
 build/release/bin/dragval report "$@" --specs "$specs"
+# All that is known of four bodies, whatever the arguments choose.
+build/release/bin/dragval report --quick-cost --output "$specs/all.html" --specs "$specs/all"
+mv "$specs/all/drag_against_reynolds.vl.json" "$specs"
 mkdir -p docs/figures
-for name in drag_against_orientation cost; do
+for name in drag_against_orientation drag_against_reynolds cost; do
   node compare/report/node_modules/vega-lite/bin/vl2svg "$specs/$name.vl.json" "docs/figures/$name.svg"
   echo "docs/figures/$name.svg"
 done

@@ -239,6 +239,7 @@ Fit fit_pillow(const std::vector<const CaseRecord*>& cases, const NamedModel& la
   std::vector<double> reference;
   std::vector<const CaseRecord*> used;
   for (const CaseRecord* record : cases) {
+    if (!record->knows_force() || !record->knows_moment()) continue;
     const auto measured = force_arm(*record, record->load.force(), record->load.moment());
     std::vector<double> factor, arm;
     for (int i = 0; i < points; ++i) {
@@ -325,7 +326,7 @@ Calibration calibrate_class_laws(const std::vector<CaseRecord>& records) {
   std::vector<const CaseRecord*> sheets, closed;
   for (const CaseOfRecord& chosen : cases_of_record(records)) {
     const CaseRecord& record = *chosen.family.record;
-    if (!is_usable(record.status) || record.held_out || record.reynolds < 1e4) continue;
+    if (!is_usable(record.status) || chosen.held_out || record.reynolds < 1e4 || !record.knows_force()) continue;
     const dragcore::Surface surface = surface_of(record.shape, 8);
     (surface.body_class == dragcore::BodyClass::sheet ? sheets : closed).push_back(&record);
   }
@@ -381,7 +382,7 @@ Calibration calibrate(const std::vector<CaseRecord>& records) {
   for (const CaseOfRecord& chosen : cases_of_record(records)) {
     const CaseRecord& record = *chosen.family.record;
     const std::string shape = shape_of(record);
-    if (is_usable(record.status) && !record.held_out && record.reynolds >= 1e4 && (shape == "plate" || shape == "cube" || shape == "cone"))
+    if (is_usable(record.status) && !chosen.held_out && record.reynolds >= 1e4 && (shape == "plate" || shape == "cube" || shape == "cone"))
       cases.push_back(&record);
   }
   if (cases.size() < 3)

@@ -64,13 +64,13 @@ struct CaseRecord {
   std::string name;         ///< made from the matrix: "plate_incidence-030_re-1e5_medium"
   std::string key;          ///< SHA-256 of `description`
   std::string description;  ///< canonical JSON of all that determines the result
-  std::string source;       ///< "openfoam-1912"
+  std::string source;       ///< "openfoam-1912"; of an experiment its key in references.bib
   std::string tier;
   dragcore::Shape shape;    ///< a MeshBody carries its triangles
   dragcore::Pose pose;
   double reynolds = 0.0;
-  std::string flow_model;  ///< "laminar", "k_omega_sst"; in time: "laminar_unsteady", "k_omega_sst_ddes" (scale-resolving)
-  std::string mesh_level;  ///< "coarse", "medium", "fine", "finest"
+  std::string flow_model;  ///< "laminar", "k_omega_sst"; in time: "laminar_unsteady", "k_omega_sst_ddes" (scale-resolving); `experiment`
+  std::string mesh_level;  ///< "coarse", "medium", "fine", "finest"; empty for an experiment
   bool held_out = false;   ///< not to be used for fitting
   double density = 1.0;    ///< [kg/m^3]
   double speed = 1.0;      ///< of the coefficients [m/s]: that of the undisturbed air, or |omega| L_ref of a body that spins in still air
@@ -85,6 +85,8 @@ struct CaseRecord {
   Load load;       ///< mean over the averaging window
   Load load_last;  ///< at the last iteration, the one `surface` belongs to
   SurfaceSample surface;
+  std::array<bool, 6> known = {true, true, true, true, true, true};  ///< of (F, M): an experiment may have measured the drag alone. What
+                                                                     ///< is not known is 0 in `load` and means nothing
   bool half_model = false;
   int iterations = 0;     ///< of the solver, over all attempts
   int averaged_over = 0;  ///< iterations in the window of `load`
@@ -95,6 +97,7 @@ struct CaseRecord {
   Channels u_iteration = Channels::Zero();    ///< remaining drift
   Channels u_statistical = Channels::Zero();  ///< standard error of the mean of an oscillating flow
   Channels u_null = Channels::Zero();         ///< size of the channels that symmetry says are zero
+  Channels u_stated = Channels::Zero();       ///< of an experiment, all of its u: as its source states it, or as judged
 
   // What it cost and with what.
   int cells = 0;
@@ -107,6 +110,18 @@ struct CaseRecord {
   std::string finished;                      ///< UTC, ISO 8601
 
   bool spins() const { return !angular_velocity.isZero(); }
+
+  /// Measured, not solved: without mesh, surface and cost. Its load is whole: which part is viscous nobody knows, and all of it is under
+  /// pressure.
+  static constexpr const char* experiment = "experiment";
+  bool is_experiment() const { return flow_model == experiment; }
+  bool knows_force() const { return known[0] && known[1] && known[2]; }
+  bool knows_moment() const { return known[3] && known[4] && known[5]; }
+
+  /// Variance of (F, M) as far as a single record knows it: without the mesh and the method.
+  Channels own_variance() const {
+    return u_iteration.cwiseAbs2() + u_statistical.cwiseAbs2() + u_null.cwiseAbs2() + u_stated.cwiseAbs2();
+  }
 };
 
 }  // namespace case_record

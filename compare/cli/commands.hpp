@@ -46,6 +46,7 @@ void add_plan(CLI::App& app, Context& context);
 void add_run(CLI::App& app, Context& context);
 void add_explain(CLI::App& app, Context& context);
 void add_collect(CLI::App& app, Context& context);
+void add_import(CLI::App& app, Context& context);
 void add_compare(CLI::App& app, Context& context);
 void add_truth(CLI::App& app, Context& context);
 void add_variants(CLI::App& app, Context& context);

@@ -10,6 +10,7 @@
 
 #include "cfd_cases/campaign/campaign.hpp"
 #include "compare/cli/commands.hpp"
+#include "compare/tables/correlation_table.hpp"
 #include "compare/tables/error_table.hpp"
 #include "compare/tables/note_table.hpp"
 #include "compare/tables/spin_table.hpp"
@@ -24,7 +25,7 @@ void add_compare(CLI::App& app, Context& context) {
     std::string only;
     int divisions = 0;  ///< 0: default_divisions() of the shape
     std::string format = "table", output = "results/comparison.h5";
-    bool json = false;
+    bool json = false, correlations = false;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("compare", "Predict every case with the drag model and print the errors against the references");
@@ -40,6 +41,8 @@ void add_compare(CLI::App& app, Context& context) {
       ->capture_default_str();
   command->add_option("--by", options->by, "Group the statistics by any of shape, orientation, Re, held_out")->delimiter(',');
   command->add_option("--format", options->format, "table, md, csv or json")->capture_default_str();
+  command->add_flag("--correlations", options->correlations,
+                    "C_D up to Re 1e4 beside correlations of particles (Haider-Levenspiel, Ganser, Hoelzer-Sommerfeld), instead");
   command->add_flag("--json", options->json, "The same as --format json");
   command->add_option("--output", options->output, "HDF5 file for both sides and the errors; \"\" for none")->capture_default_str();
   command->callback([options, &context] {
@@ -51,6 +54,13 @@ void add_compare(CLI::App& app, Context& context) {
     const auto shown = [&](const std::string& name) { return cfd_cases::named(options->only, name); };
     std::erase_if(sources.spinning, [&](const compare::CaseRecord& record) { return !shown(record.name); });
     const auto& cases = sources.reference.cases;
+    if (options->correlations) {
+      auto rows = compare::correlation_table(cases, model);
+      std::erase_if(rows, [&](const compare::CorrelationRow& row) { return !shown(row.case_name); });
+      if (rows.empty()) throw UsageError("no usable case up to Re 1e4 among these references");
+      std::cout << compare::render(rows, options->model.label(), format, ::isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR"));
+      return;
+    }
     const compare::ErrorTable table = compare::compare_with(cases, model, options->model.label(), sources.missing, by, shown);
     const std::vector<compare::NamedModel> laws = {{"note", dragcore::Model{}},
                                                    {"consistent", dragcore::Model{.law = dragcore::consistent_law()}},

@@ -1,9 +1,9 @@
 #include <CLI/CLI.hpp>
+#include <dragcore/unknown_word.hpp>
 #include <exception>
 #include <iostream>
 
 #include "compare/cli/commands.hpp"
-#include <dragcore/unknown_word.hpp>
 
 namespace {
 
@@ -34,9 +34,9 @@ int main(int argc, char** argv) {
   app.footer("Start here:  dragval doctor && dragval run quick && dragval compare --cache .dragval");
   app.require_subcommand(1);
   cli::Context context;
-  for (const auto add : {cli::add_doctor, cli::add_plan, cli::add_run, cli::add_explain, cli::add_collect, cli::add_compare, cli::add_truth,
-                         cli::add_variants, cli::add_calibrate, cli::add_cost, cli::add_gate, cli::add_baseline, cli::add_report,
-                         cli::add_mesh, cli::add_drag, cli::add_bake})
+  for (const auto add : {cli::add_doctor, cli::add_plan, cli::add_run, cli::add_explain, cli::add_collect, cli::add_import,
+                         cli::add_compare, cli::add_truth, cli::add_variants, cli::add_calibrate, cli::add_cost, cli::add_gate,
+                         cli::add_baseline, cli::add_report, cli::add_mesh, cli::add_drag, cli::add_bake})
     add(app, context);
   try {
     check_subcommands(app, argc, argv);

@@ -12,6 +12,7 @@
 #include "cfd_cases/flow_case/matrix.hpp"
 #include "compare/calibration/prediction.hpp"
 #include "compare/cli/commands.hpp"
+#include "compare/reference/case_of_record.hpp"
 #include "compare/reference/uncertainty.hpp"
 #include "dragcore/law_file.hpp"
 
@@ -101,11 +102,20 @@ Sources load(const SourceOptions& options) {
       wanted[compare::family_name(spec.name, spec.mesh_level)] = spec.name;
     compare::Reference kept;
     std::set<std::string> found;
+    const auto of_matrix = [&](const compare::CaseRecord& record) {
+      return wanted.contains(compare::family_name(record.name, record.mesh_level));
+    };
+    // No matrix asks for an experiment: it comes with the case whose question it answers.
+    const auto asked = [&](const compare::CaseRecord& record) {
+      return of_matrix(record) ||
+             (record.is_experiment() && std::any_of(all.cases.begin(), all.cases.end(), [&](const compare::CaseRecord& other) {
+                return of_matrix(other) && compare::same_question(record, other);
+              }));
+    };
     for (std::size_t i = 0; i < all.cases.size(); ++i) {
       const compare::CaseRecord& record = all.cases[i];
-      const std::string family = compare::family_name(record.name, record.mesh_level);
-      if (!wanted.contains(family)) continue;
-      found.insert(family);
+      if (!asked(record)) continue;
+      found.insert(compare::family_name(record.name, record.mesh_level));
       kept.cases.push_back(record);
       kept.patches.push_back(all.patches[i]);
     }

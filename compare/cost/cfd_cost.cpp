@@ -23,7 +23,7 @@ std::vector<CfdCost> cfd_costs(const std::vector<CaseRecord>& records) {
   std::vector<CfdCost> rows;
   for (const CaseFamily& family : case_families(records))
     for (const CaseRecord* level : family.levels) {
-      if (!is_usable(level->status)) continue;
+      if (!is_usable(level->status) || level->is_experiment()) continue;
       CfdCost row{
           .case_name = level->name, .shape = dragcore::kind(level->shape), .mesh_level = level->mesh_level, .reynolds = level->reynolds};
       row.cells = level->cells;
@@ -44,7 +44,7 @@ std::vector<CostCheck> check_cost(const std::vector<CaseRecord>& records, const 
   for (const char* quantity : {"cells", "iterations", "mesh", "convert", "solve", "post", "total"})
     checks.push_back({.quantity = quantity});
   for (const CaseRecord& record : records) {
-    if (!is_usable(record.status) && record.status != case_record::Status::drifting) continue;
+    if (record.is_experiment() || (!is_usable(record.status) && record.status != case_record::Status::drifting)) continue;
     const auto predicted = predict(record);
     if (!predicted) continue;
     std::map<std::string, std::pair<double, double>> both{{"cells", {predicted->cells, record.cells}},

@@ -55,7 +55,8 @@ std::vector<Place> places_of(const std::vector<CaseOfRecord>& cases, const std::
   std::set<std::string> known;
   for (const CaseOfRecord& chosen : cases) {
     const CaseRecord& record = *chosen.family.record;
-    if (!case_record::is_usable(record.status) || flow_class(record.flow_model) == "laminar" || record.reynolds < 1e4 || record.spins()) continue;
+    if (!case_record::is_usable(record.status) || flow_class(record) == "laminar" || record.reynolds < 1e4 || record.spins()) continue;
+    if (!record.knows_force() || !record.knows_moment()) continue;
     Place place{&record, shape_label(record.shape), record.pose.rotation(), motion_of(record)};
     known.insert(place.body);
     if (place.body.find(only) == std::string::npos) continue;
@@ -465,7 +466,7 @@ class Measurement {
     Stopping& stop = ladder_.stopping;
     double squares = 0.0;
     for (const Place& place : places_) {
-      if (place.record->flow_model.ends_with("_ddes")) continue;
+      if (place.record->flow_model.ends_with("_ddes") || place.record->is_experiment()) continue;
       const double left = place.record->u_iteration.head<3>().norm() / place.record->load.force().norm();
       squares += left * left;
       ++stop.poses;

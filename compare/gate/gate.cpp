@@ -207,10 +207,7 @@ GateCheck check_solved_again(const std::vector<CaseRecord>& stored, const std::v
       continue;
     }
     const auto now = coefficients(run).values, was = coefficients(*found).values;
-    const auto variance = [](const CaseRecord& record) -> CaseRecord::Channels {
-      return (record.u_iteration.array().square() + record.u_statistical.array().square() + record.u_null.array().square()).matrix();
-    };
-    const CaseRecord::Channels u = (variance(run) + variance(*found)).cwiseSqrt().cwiseQuotient(coefficient_scales(run));
+    const CaseRecord::Channels u = (run.own_variance() + found->own_variance()).cwiseSqrt().cwiseQuotient(coefficient_scales(run));
     for (int k = 0; k < 6; ++k)
       tally.add(std::abs(now[k] - was[k]) / std::max(2.0 * u[k], stop_tolerance * std::abs(was[0])),
                 fmt::format("{} {} {:.5f}, stored {:.5f}", run.name, symbol(static_cast<Channel>(k)), now[k], was[k]));

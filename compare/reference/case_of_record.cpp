@@ -25,8 +25,8 @@ std::string variant_of(const CaseFamily& family) { return split_name(family.reco
 auto question_of(const CaseRecord& record) {
   const auto rounded = [](double value) { return std::llround(value * 1e6); };
   const Vector3d& spin = record.angular_velocity;
-  return std::tuple(dragcore::kind(record.shape), dragcore::parameters(record.shape), flow_class(record.flow_model),
-                    rounded(record.reynolds), record.still_air,
+  return std::tuple(dragcore::kind(record.shape), dragcore::parameters(record.shape), flow_class(record), rounded(record.reynolds),
+                    record.still_air,
                     std::array{rounded(record.pose.incidence), rounded(record.pose.yaw), rounded(record.pose.roll), rounded(spin.x()),
                                rounded(spin.y()), rounded(spin.z())});
 }
@@ -83,12 +83,15 @@ bool on_another_branch(const CaseFamily& a, const CaseFamily& b) {
 
 std::string value_text(const CaseFamily& family) {
   if (!is_usable(family.record->status)) return family.record->name + ": " + case_record::to_string(family.record->status);
-  const Vector3d c = force_coefficients(family);
-  const bool sideways = family.record->pose.yaw != 0.0;
-  return fmt::format("{}: C_D {:.3f}, {} {:.3f}, u {:.1f} % ({:.1f} % the method{})", family.record->name, c[0], sideways ? "C_S" : "C_L",
-                     sideways ? c[1] : c[2], 100.0 * relative_uncertainty(family),
-                     100.0 * force_uncertainty(family, family.uncertainty.method) / c.norm(),
-                     is_complete(family) ? "" : ", without the mesh");
+  const Coefficients c = coefficients(*family.record);
+  std::string text = fmt::format("{}: C_D {:.3f}", family.record->name, c.values[0]);
+  const Channel lateral = family.record->pose.yaw != 0.0 ? Channel::side : Channel::lift;
+  if (c[lateral]) text += fmt::format(", {} {:.3f}", symbol(lateral), *c[lateral]);
+  text += fmt::format(", u {:.1f} %", 100.0 * relative_uncertainty(family));
+  if (family.record->is_experiment()) return text + ", measured";
+  return text + fmt::format(" ({:.1f} % the method{})",
+                            100.0 * force_uncertainty(family, family.uncertainty.method) / c.values.head<3>().norm(),
+                            is_complete(family) ? "" : ", without the mesh");
 }
 
 CaseOfRecord chosen_from(std::vector<CaseFamily> families) {
@@ -106,7 +109,7 @@ CaseOfRecord chosen_from(std::vector<CaseFamily> families) {
     std::erase_if(families, [&](const CaseFamily& family) { return !ordinary(family); });
 
   const auto rank = [](const CaseFamily& family) {
-    return std::tuple(!is_usable(family.record->status), !is_complete(family), relative_uncertainty(family));
+    return std::tuple(!is_usable(family.record->status), !family.record->knows_force(), !is_complete(family), relative_uncertainty(family));
   };
   const auto best =
       std::min_element(families.begin(), families.end(), [&](const CaseFamily& a, const CaseFamily& b) { return rank(a) < rank(b); });
@@ -114,6 +117,9 @@ CaseOfRecord chosen_from(std::vector<CaseFamily> families) {
   result.family = std::move(*best);
   families.erase(best);
   result.alternatives = std::move(families);
+  result.held_out = result.family.record->held_out || (result.family.record->is_experiment() &&
+                                                       std::any_of(result.alternatives.begin(), result.alternatives.end(),
+                                                                   [](const CaseFamily& solved) { return solved.record->held_out; }));
   for (std::size_t i = 0; i < result.alternatives.size(); ++i) {
     const bool branch = on_another_branch(result.family, result.alternatives[i]);
     if (branch) result.other_branch = i;
@@ -125,11 +131,15 @@ CaseOfRecord chosen_from(std::vector<CaseFamily> families) {
 
 }  // namespace
 
-std::string flow_class(const std::string& flow_model) {
+std::string flow_class(const CaseRecord& record) {
+  if (record.is_experiment()) return record.reynolds >= 1e4 ? "k_omega_sst" : "laminar";
+  const std::string& model = record.flow_model;
   for (const std::string_view in_time : {"_ddes", "_unsteady"})
-    if (flow_model.ends_with(in_time)) return flow_model.substr(0, flow_model.size() - in_time.size());
-  return flow_model;
+    if (model.ends_with(in_time)) return model.substr(0, model.size() - in_time.size());
+  return model;
 }
+
+bool same_question(const CaseRecord& a, const CaseRecord& b) { return question_of(a) == question_of(b); }
 
 std::vector<CaseOfRecord> cases_of_record(const std::vector<CaseRecord>& records) {
   std::map<decltype(question_of(records.front())), std::vector<CaseFamily>> questions;

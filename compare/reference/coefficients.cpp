@@ -44,7 +44,12 @@ Coefficients coefficients(const case_record::CaseRecord& record, const Vector3d&
   return {load.cwiseQuotient(coefficient_scales(record)), centre_of_pressure(record, force_wind, moment_wind)};
 }
 
-Coefficients coefficients(const case_record::CaseRecord& record) { return coefficients(record, record.load.force(), record.load.moment()); }
+Coefficients coefficients(const case_record::CaseRecord& record) {
+  Coefficients own = coefficients(record, record.load.force(), record.load.moment());
+  own.known = record.known;
+  if (!record.knows_force() || !record.knows_moment()) own.centre_of_pressure.reset();
+  return own;
+}
 
 std::array<bool, 6> null_channels(const case_record::CaseRecord& record) {
   // A mirror plane that holds the wind keeps the force in the plane and the moment square to it.

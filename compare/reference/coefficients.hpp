@@ -18,16 +18,20 @@ std::string symbol(Channel channel);  ///< "C_D", "C_S", "C_L", "C_l", "C_m", "C
 struct Coefficients {
   case_record::CaseRecord::Channels values = case_record::CaseRecord::Channels::Zero();
   std::optional<double> centre_of_pressure;  ///< from the nose, in units of the length along the body's x axis
+  std::array<bool, 6> known = {true, true, true, true, true, true};  ///< whether `values` has anything to say
 
+  /// Empty where it is not defined, or nobody measured it.
   std::optional<double> operator[](Channel channel) const {
-    return channel == Channel::centre_of_pressure ? centre_of_pressure : std::optional<double>(values[static_cast<int>(channel)]);
+    if (channel == Channel::centre_of_pressure) return centre_of_pressure;
+    const auto index = static_cast<std::size_t>(channel);
+    return known[index] ? std::optional<double>(values[static_cast<Eigen::Index>(index)]) : std::nullopt;
   }
 };
 
 /// From force [N] and moment about the centroid [N m], both in the wind frame, at the pose, speed and density of the case.
 Coefficients coefficients(const case_record::CaseRecord& record, const Eigen::Vector3d& force_wind, const Eigen::Vector3d& moment_wind);
 
-/// Of the case's own mean load.
+/// Of the case's own mean load, as far as it is known: a centre of pressure takes a whole force and moment.
 Coefficients coefficients(const case_record::CaseRecord& record);
 
 /// q A_ref for forces, q A_ref L_ref for moments: divide SI channels by this to get coefficients.

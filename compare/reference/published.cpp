@@ -130,7 +130,7 @@ double numerical_uncertainty(const CaseFamily& family, const Quantity& quantity,
 
 void add_checks(std::vector<PublishedCheck>& checks, const CaseFamily& family, bool of_record) {
   const CaseRecord& record = *family.record;
-  if (!case_record::is_usable(record.status)) return;
+  if (!case_record::is_usable(record.status) || record.is_experiment()) return;  // it is a published value itself
   const Vector3d force = record.load.force(), moment = record.load.moment();
   const LoadUncertainty& u = family.uncertainty;
   for (const PublishedEntry& entry : published_entries()) {
@@ -160,7 +160,7 @@ std::vector<PublishedCheck> published_checks(const std::vector<CaseOfRecord>& ca
   std::vector<PublishedCheck> checks;
   for (const CaseOfRecord& chosen : cases) {
     add_checks(checks, chosen.family, true);
-    if (!alternatives) continue;
+    if (!alternatives && !chosen.family.record->is_experiment()) continue;
     for (const CaseFamily& alternative : chosen.alternatives) add_checks(checks, alternative, false);
   }
   return checks;

@@ -68,8 +68,9 @@ struct PublishedCheck {
   std::string verdict() const { return std::string(agrees() ? "agrees" : "differs") + (within_goal() ? "" : ", misses its goal"); }
 };
 
-/// Every usable case of record, at its finest mesh, for which something was published. The check of the CFD chain itself.
-/// @param alternatives  also the families that are not of record: what another method says of the same pose
+/// Every usable case of record, at its finest mesh, for which something was published. The check of the CFD chain itself: where an
+/// experiment is of record, the families behind it are checked.
+/// @param alternatives  also the other families that are not of record: what another method says of the same pose
 std::vector<PublishedCheck> published_checks(const std::vector<case_record::CaseRecord>& records, bool alternatives = false);
 std::vector<PublishedCheck> published_checks(const std::vector<CaseOfRecord>& cases, bool alternatives = false);
 

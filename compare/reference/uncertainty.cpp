@@ -355,6 +355,10 @@ std::vector<CaseFamily> case_families(const std::vector<CaseRecord>& records) {
     const auto usable = family.usable_levels();
     family.record = usable.empty() ? family.levels.back() : usable.back();
     if (usable.size() >= 2) study_levels(family);
+    if (family.record->is_experiment()) {
+      family.uncertainty.discretisation_assessed = true;
+      family.uncertainty.branches = {"measured: there is no mesh"};
+    }
     list.push_back(std::move(family));
   }
 
@@ -366,10 +370,9 @@ std::vector<CaseFamily> case_families(const std::vector<CaseRecord>& records) {
   for (CaseFamily& family : list) {
     if (!case_record::is_usable(family.record->status)) continue;
     LoadUncertainty& u = family.uncertainty;
-    if (family.usable_levels().size() < 3 || !u.discretisation_assessed) assess_by_others(family, representatives);
-    u.numerical = (u.discretisation.cwiseAbs2() + family.record->u_iteration.cwiseAbs2() + family.record->u_statistical.cwiseAbs2() +
-                   family.record->u_null.cwiseAbs2())
-                      .cwiseSqrt();
+    const bool of_a_mesh = !family.record->is_experiment();
+    if (of_a_mesh && (family.usable_levels().size() < 3 || !u.discretisation_assessed)) assess_by_others(family, representatives);
+    u.numerical = (u.discretisation.cwiseAbs2() + family.record->own_variance()).cwiseSqrt();
     u.total = u.numerical;
   }
   return list;

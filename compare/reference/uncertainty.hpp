@@ -43,11 +43,11 @@ GridStudy mesh_study(const std::vector<double>& cells, const std::vector<double>
 struct LoadUncertainty {
   using Channels = case_record::CaseRecord::Channels;
   Channels total = Channels::Zero();      ///< root sum square of `numerical` and `method`
-  Channels numerical = Channels::Zero();  ///< of discretisation, iteration, statistics and symmetry, as far as known
+  Channels numerical = Channels::Zero();  ///< of discretisation, iteration, statistics and symmetry, as far as known; an experiment's own
   Channels method = Channels::Zero();     ///< of the equations solved: cases_of_record() adds it
   Channels discretisation = Channels::Zero();
-  bool discretisation_assessed = false;
-  std::vector<std::string> branches;  ///< one per channel when assessed, or one that says why not
+  bool discretisation_assessed = false;  ///< true, too, where there is no mesh: `total` lacks no part
+  std::vector<std::string> branches;     ///< one per channel when assessed, or one that says why not
 };
 
 /// Standard uncertainty of a quantity that follows from force [N] and moment [N m]: linear propagation, the six channels taken as

@@ -46,7 +46,8 @@ struct Report {
 /// @param quick_cost  fewer repetitions and meshes in the measurement of cost, for tests
 Report make_report(Reference reference, std::vector<CaseRecord> spinning, const std::vector<std::string>& missing, bool quick_cost = false);
 
-/// Vega-Lite specifications by name: "drag_against_orientation", "cost", "face_pressure", and "sweep-<slug>" for every Sweep with a curve.
+/// Vega-Lite specifications by name: "drag_against_orientation", "drag_against_reynolds", "cost", "face_pressure", and "sweep-<slug>" for
+/// every Sweep with a curve.
 std::map<std::string, nlohmann::json> figures(const Report& report);
 
 /// Writes one HTML file that needs nothing else, neither files nor network.

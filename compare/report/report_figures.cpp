@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <tuple>
 
 #include "compare/cost/answers.hpp"
+#include "compare/peers/correlations.hpp"
 #include "compare/report/report.hpp"
 #include "compare/report/report_sweep.hpp"
+#include "compare/tables/correlation_table.hpp"
 
 // Vega-Lite specifications. A colour means the same in every figure: palette of Okabe and Ito, distinct to colour-blind readers and in
 // print.
@@ -129,7 +132,7 @@ json sweep_panel(const Report& report, const Sweep& sweep, const Curves& curves,
                  bool with_pillow, int width, int height) {
   const auto rows = rows_of(report.models.front().table, sweep, channel);
   const std::vector<double>& angles = curves.angles;
-  json lines = json::array(), points = json::array(), literature = json::array();
+  json lines = json::array(), points = json::array(), measured = json::array(), literature = json::array();
   for (std::size_t m = 0; m < report.models.size(); ++m) {
     const ReportedModel& model = report.models[m];
     const std::vector<Coefficients>& curve = curves.of_model[m];
@@ -141,13 +144,14 @@ json sweep_panel(const Report& report, const Sweep& sweep, const Curves& curves,
   for (const ErrorRow* row : rows) {
     const double angle = sweep.angle_of(*row);
     if (row->cfd)
-      points.push_back({{"angle", angle},
-                        {"value", *row->cfd},
-                        {"low", *row->cfd - 2 * row->u},
-                        {"high", *row->cfd + 2 * row->u},
-                        {"u", row->u},
-                        {"case", row->case_name},
-                        {"series", openfoam}});
+      (row->flow_model == CaseRecord::experiment ? measured : points)
+          .push_back({{"angle", angle},
+                      {"value", *row->cfd},
+                      {"low", *row->cfd - 2 * row->u},
+                      {"high", *row->cfd + 2 * row->u},
+                      {"u", row->u},
+                      {"case", row->case_name},
+                      {"series", row->flow_model == CaseRecord::experiment ? published : openfoam}});
     if (row->published)
       literature.push_back(
           {{"angle", angle}, {"value", row->published->value}, {"source", row->published->citation}, {"series", published}});
@@ -175,9 +179,17 @@ json sweep_panel(const Report& report, const Sweep& sweep, const Curves& curves,
                              {{"data", {{"values", points}}},
                               {"mark", {{"type", "point"}, {"fill", "black"}, {"size", 40}, {"opacity", 1}}},
                               {"encoding", {{"x", x}, {"y", y}, {"color", colour}, {"tooltip", hint}}}}});
+  const json diamond = {{"type", "point"}, {"shape", "diamond"}, {"size", 110}, {"strokeWidth", 2}, {"opacity", 1}};
+  if (!measured.empty()) {
+    layers.push_back({{"data", {{"values", measured}}},
+                      {"mark", {{"type", "rule"}, {"strokeWidth", 1.5}}},
+                      {"encoding", {{"x", x}, {"y", low}, {"y2", {{"field", "high"}}}, {"color", colour}}}});
+    layers.push_back(
+        {{"data", {{"values", measured}}}, {"mark", diamond}, {"encoding", {{"x", x}, {"y", y}, {"color", colour}, {"tooltip", hint}}}});
+  }
   if (!literature.empty())
     layers.push_back({{"data", {{"values", literature}}},
-                      {"mark", {{"type", "point"}, {"shape", "diamond"}, {"size", 110}, {"strokeWidth", 2}, {"opacity", 1}}},
+                      {"mark", diamond},
                       {"encoding", {{"x", x}, {"y", y}, {"color", colour}, {"tooltip", source_hint}}}});
   return {{"width", width}, {"height", height}, {"layer", layers}};
 }
@@ -209,6 +221,141 @@ json drag_figure(const Report& report, const std::map<const Sweep*, Curves>& cur
   return spec;
 }
 
+/// C_D against the Reynolds number, from creeping flow to beyond the drag crisis: everything that is known of four bodies.
+json reynolds_figure(const Report& report) {
+  struct Body {
+    const char* title;
+    dragcore::Shape shape;
+    dragcore::Pose pose;
+  };
+  const std::array<Body, 4> bodies = {{{"C_D, ball", dragcore::Sphere{}, {}},
+                                       {"C_D, cube, face-on", dragcore::Box{}, {}},
+                                       {"C_D, disc, face-on", dragcore::Cylinder{.diameter = 1.0, .length = 0.05}, {}},
+                                       {"C_D, plate at 30\u00b0", dragcore::Plate{}, {.incidence = std::numbers::pi / 6.0}}}};
+  constexpr double lowest = 0.1, highest = 1e6, highest_correlated = 1e4;
+  constexpr double drag_crisis = 3e5;  // of a smooth ball: its layer turns turbulent, its wake shrinks, and no law here knows
+  constexpr int per_decade = 8;
+  const std::string law = law_label("by class");
+  const std::vector<CaseOfRecord> cases = cases_of_record(report.reference.cases);
+
+  json x = quantitative("re", "Re");
+  x["scale"] = {{"type", "log"}, {"domain", {lowest, highest}}, {"nice", false}};
+  x["axis"] = {{"values", {0.1, 1, 10, 100, 1e3, 1e4, 1e5, 1e6}},
+               {"labelFlush", false},
+               {"labelExpr", "datum.value < 1000 ? format(datum.value, '~g') : '1e' + round(log(datum.value) / LN10)"}};
+  json x_from = x;
+  x_from["field"] = "from";
+  const json colour = series_colour({law, openfoam, published});
+  json spec = base();
+  spec["concat"] = json::array();
+  spec["columns"] = 2;
+  bool any = false;
+  for (const Body& body : bodies) {
+    CaseRecord at;
+    at.shape = body.shape, at.pose = body.pose;
+    const auto flows_at = [&](double reynolds) {
+      at.reynolds = reynolds;
+      at.viscosity = at.speed * dragcore::properties(at.shape).reference_length / reynolds;
+    };
+    json lines = json::array(), correlated = json::array(), solved = json::array(), other = json::array(), measured = json::array();
+    for (int i = 0; i <= 7 * per_decade; ++i) {
+      flows_at(lowest * std::pow(10.0, static_cast<double>(i) / per_decade));
+      const dragcore::Wrench wrench = predict(at, ModelChoice::recommended()).total();
+      lines.push_back({{"re", at.reynolds}, {"value", *coefficients(at, wrench.force, wrench.torque)[Channel::drag]}, {"series", law}});
+      if (at.reynolds > 1.001 * highest_correlated) continue;
+      for (std::size_t k = 0; k < peers::correlations().size(); ++k)
+        if (const auto value = correlated_drag(at, k))
+          correlated.push_back({{"re", at.reynolds}, {"value", *value}, {"correlation", peers::correlations()[k].name}});
+    }
+    const auto add = [&](json& list, double reynolds, double value, double u, const std::string& name, const char* series) {
+      // A logarithmic axis has no place for a bar that ends below zero.
+      list.push_back({{"re", reynolds},
+                      {"value", value},
+                      {"low", std::max(value - 2.0 * u, 0.3 * value)},
+                      {"high", value + 2.0 * u},
+                      {"u", u},
+                      {"case", name},
+                      {"series", series}});
+    };
+    for (const CaseOfRecord& chosen : cases) {
+      flows_at(chosen.family.record->reynolds);
+      at.flow_model = chosen.family.record->flow_model;
+      if (!same_question(at, *chosen.family.record)) continue;
+      std::vector<const CaseFamily*> families = {&chosen.family};
+      for (const CaseFamily& alternative : chosen.alternatives) families.push_back(&alternative);
+      for (const CaseFamily* family : families) {
+        const CaseRecord& record = *family->record;
+        const auto drag = coefficients(record)[Channel::drag];
+        if (!case_record::is_usable(record.status) || !drag) continue;
+        const bool of_record = family == &chosen.family;
+        add(record.is_experiment() ? measured
+            : of_record            ? solved
+                                   : other,
+            record.reynolds, *drag, family->uncertainty.total[0] / coefficient_scales(record)[0], record.name,
+            record.is_experiment() ? published : openfoam);
+        any = true;
+      }
+    }
+    at.flow_model.clear();
+    for (const PublishedEntry& entry : published_entries()) {
+      const double from = std::max(entry.cases.reynolds.first, lowest), to = std::min(entry.cases.reynolds.second, highest);
+      flows_at(std::sqrt(from * to));
+      if (entry.quantity != "C_D" || !(from <= to) || !entry.fits(at)) continue;
+      const PublishedValue value = entry.on_reference_area(at);
+      add(measured, at.reynolds, value.value, value.uncertainty, value.citation, published);
+      measured.back().update({{"from", from}, {"to", to}});
+    }
+    json y = quantitative("value", nullptr);
+    y["scale"] = {{"type", "log"}};
+    y["axis"] = panel_axis(body.title);
+    y["axis"].update({{"format", "~g"}, {"tickCount", 6}});
+    json low = y;
+    low["field"] = "low";
+    const json hint = {{{"field", "case"}},
+                       {{"field", "re"}, {"format", "~g"}},
+                       {{"field", "value"}, {"format", ".3f"}},
+                       {{"field", "u"}, {"format", ".3f"}}};
+    json dash = {{"field", "correlation"},
+                 {"type", "nominal"},
+                 {"title", "correlations"},
+                 {"scale",
+                  {{"domain", json::array()},
+                   {"range", {json::array({8, 3}), json::array({2, 2}), json::array({6, 2, 1, 2}), json::array({1, 0})}}}},
+                 {"legend", {{"symbolType", "stroke"}, {"symbolStrokeColor", "#777"}, {"symbolSize", 500}, {"columns", 2}}}};
+    json layers = json::array();
+    const auto layer = [&](const json& values, const json& mark, const json& encoding) {
+      if (!values.empty()) layers.push_back({{"data", {{"values", values}}}, {"mark", mark}, {"encoding", encoding}});
+    };
+    for (const peers::Correlation& correlation : peers::correlations()) dash["scale"]["domain"].push_back(correlation.name);
+    if (std::holds_alternative<dragcore::Sphere>(body.shape)) {
+      const json crisis = json::array({{{"from", drag_crisis}, {"to", highest}, {"name", "drag crisis"}}});
+      layer(crisis, {{"type", "rect"}, {"color", "#dddddd"}, {"opacity", 0.6}}, {{"x", x_from}, {"x2", {{"field", "to"}}}});
+      layer(crisis, {{"type", "text"}, {"align", "right"}, {"dx", -4}, {"fontSize", 11}, {"y", 12}},
+            {{"x", x_from}, {"text", {{"field", "name"}}}});
+    }
+    layer(correlated, {{"type", "line"}, {"color", "#777777"}, {"strokeWidth", 1.3}}, {{"x", x}, {"y", y}, {"strokeDash", dash}});
+    layer(lines, {{"type", "line"}, {"strokeWidth", 2}}, {{"x", x}, {"y", y}, {"color", colour}});
+    const json bar = {{"type", "rule"}, {"strokeWidth", 1.5}};
+    for (const json* points : {&other, &solved, &measured})
+      layer(*points, bar, {{"x", x}, {"y", low}, {"y2", {{"field", "high"}}}, {"color", colour}});
+    json ranges = json::array();
+    for (const json& point : measured)
+      if (point.contains("from")) ranges.push_back(point);
+    layer(ranges, bar, {{"x", x_from}, {"x2", {{"field", "to"}}}, {"y", y}, {"color", colour}});
+    const json encoding = {{"x", x}, {"y", y}, {"color", colour}, {"tooltip", hint}};
+    layer(other, {{"type", "point"}, {"fill", "white"}, {"size", 40}, {"opacity", 1}}, encoding);
+    layer(solved, {{"type", "point"}, {"fill", "black"}, {"size", 40}, {"opacity", 1}}, encoding);
+    layer(measured, {{"type", "point"}, {"shape", "diamond"}, {"size", 80}, {"strokeWidth", 2}, {"opacity", 1}, {"fill", "white"}},
+          encoding);
+    spec["concat"].push_back({{"width", 460}, {"height", 270}, {"layer", layers}});
+  }
+  if (!any) return nullptr;
+  spec["spacing"] = 60;
+  spec["bounds"] = "flush";
+  spec["resolve"] = {{"scale", {{"color", "shared"}, {"strokeDash", "shared"}}}};
+  return spec;
+}
+
 /// Mean C_p of planar faces against the cosine of their angle to the flow: where on the body a law is wrong.
 json face_pressure_figure(const Report& report) {
   constexpr double edge = 0.1;  // of A_ref: smaller faces are the edges of plates, which live in the wake of their neighbours
@@ -226,7 +373,7 @@ json face_pressure_figure(const Report& report) {
   for (const ErrorRow& row : report.models.front().table.rows) of_record.insert(row.case_name);
   for (std::size_t i = 0; i < std::min(report.reference.cases.size(), report.reference.patches.size()); ++i) {
     const CaseRecord& record = report.reference.cases[i];
-    if (!of_record.contains(record.name) || !case_record::is_usable(record.status) || flow_class(record.flow_model) == "laminar") continue;
+    if (!of_record.contains(record.name) || !case_record::is_usable(record.status) || flow_class(record) == "laminar") continue;
     const dragcore::ShapeProperties body = dragcore::properties(record.shape);
     for (const PatchMean& patch : report.reference.patches[i]) {
       if (patch.name.starts_with("curved") || patch.area < edge * body.reference_area) continue;
@@ -376,7 +523,8 @@ std::map<std::string, json> figures(const Report& report) {
       found["sweep-" + sweep.slug()] = sweep_figure(report, sweep, curves.at(&sweep));
     }
   if (!found.empty()) found["drag_against_orientation"] = drag_figure(report, curves, list);
-  for (auto& [name, spec] : {std::pair{"cost", cost_figure(report)}, std::pair{"face_pressure", face_pressure_figure(report)}})
+  for (auto& [name, spec] : {std::pair{"cost", cost_figure(report)}, std::pair{"face_pressure", face_pressure_figure(report)},
+                             std::pair{"drag_against_reynolds", reynolds_figure(report)}})
     if (!spec.is_null()) found[name] = spec;
   return found;
 }

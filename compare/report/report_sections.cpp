@@ -70,6 +70,8 @@ std::string with_uncertainty(double value, double u, bool assessed, int decimals
   return number(value, decimals) + " \u00b1 " + (u > 0.0 && u < smallest ? "&lt;\u20090.0001" : number(u, digits)) + (assessed ? "" : "*");
 }
 
+std::string measured_word(const ErrorRow& row) { return row.flow_model == CaseRecord::experiment ? ", measured" : ""; }
+
 /// Statistics of one model over the rows that pass; empty when none does.
 std::optional<ErrorSummary> summary(const ReportedModel& model, Channel channel, const RowFilter& filter) {
   std::vector<const ErrorRow*> rows;
@@ -151,7 +153,8 @@ std::string verdict_section(const Report& report, const std::vector<Sweep>& list
   std::string text = fmt::format(
       "<p>This page compares a drag law that is evaluated triangle by triangle, fast enough for games and robots, with OpenFOAM on the "
       "same bodies in the same "
-      "orientations. {} of {} cases ended with coefficients that can be compared; every one of them carries its standard uncertainty "
+      "orientations, and with experiments where they know the force better. {} of {} cases ended with coefficients that can be compared; "
+      "every one of them carries its standard uncertainty "
       "<i>u</i>, and a difference counts as an error of "
       "the law only beyond 2<i>u</i>. The drag law knows nothing of the Reynolds number, so it is judged on the turbulent cases (Re \u2265 "
       "10\u2074); the laminar ones check "
@@ -172,7 +175,7 @@ std::string verdict_section(const Report& report, const std::vector<Sweep>& list
 
   Table table{
       .id = "verdict-table",
-      .caption = "Error of <i>C</i><sub>D</sub> by body: law \u2212 OpenFOAM. Bias with its 95 % interval; worst with its orientation."};
+      .caption = "Error of <i>C</i><sub>D</sub> by body: law \u2212 reference. Bias with its 95 % interval; worst with its orientation."};
   table.head = {{{"body", "text"}, {"n"}, {escape(note.law), "group", 3}, {escape(best.law), "group", 3}}, {{"", "text"}, {""}}};
   if (&note == &best) table.head[0].pop_back();
   for (std::size_t i = 0; i < judged.size(); ++i)
@@ -181,7 +184,7 @@ std::string verdict_section(const Report& report, const std::vector<Sweep>& list
                 .caption =
                     "Rms error of the moment coefficient that each sweep drives, <i>C</i><sub>n</sub> by yaw and <i>C</i><sub>m</sub> by "
                     "incidence, over the poses of the sweep, by law and pillow form."};
-  moments.head = {{{"body", "text"}, {""}, {"rms of OpenFOAM's"}}};
+  moments.head = {{{"body", "text"}, {""}, {"rms of the reference"}}};
   const auto models = models_by_law(report);
   add_model_heads(moments, models);
 
@@ -240,11 +243,12 @@ double drag_of_note_body(const std::string& label, const ModelChoice& choice) {
 
 std::string note_section(const Report& report) {
   const auto laws = laws_of(report);
-  Table table{.id = "note-table",
-              .caption =
-                  "Drag coefficients on the frontal area, as the note prints them. Errors are against OpenFOAM where it was run, in "
-                  "parentheses against the note's own figure where it was not."};
-  table.head = {{{"body", "text"}, {"note"}, {"OpenFOAM \u00b1 <i>u</i>", "tight"}}, {{"", "text"}, {""}, {""}}};
+  Table table{
+      .id = "note-table",
+      .caption =
+          "Drag coefficients on the frontal area, as the note prints them. Errors are against the case of record where there is one, in "
+          "parentheses against the note's own figure where it was not."};
+  table.head = {{{"body", "text"}, {"note"}, {"reference \u00b1 <i>u</i>", "tight"}}, {{"", "text"}, {""}, {""}}};
   for (const ReportedModel* law : laws) {
     table.head[0].push_back({escape(law->law), "group", 2});
     for (const char* name : {"<i>C</i><sub>D</sub>", "error"}) table.head[1].push_back({name});
@@ -255,9 +259,11 @@ std::string note_section(const Report& report) {
   for (NoteRow& row : note_table(report.reference.cases, asked)) {
     const auto found = std::find_if(rows.begin(), rows.end(), [&](const ErrorRow& other) { return other.case_name == row.case_name; });
     const bool assessed = found != rows.end() && found->discretisation_assessed;
-    std::vector<Cell> cells = {{escape(row.label), "text"},
-                               {number(row.published, 2)},
-                               {row.cfd ? with_uncertainty(*row.cfd, row.u, assessed, 3) : "no usable case", row.cfd ? "" : "faint"}};
+    std::vector<Cell> cells = {
+        {escape(row.label), "text"},
+        {number(row.published, 2)},
+        {row.cfd ? with_uncertainty(*row.cfd, row.u, assessed, 3) + (row.measured ? ", measured" : "") : "no usable case",
+         row.cfd ? "" : "faint"}};
     const double reference = row.cfd.value_or(row.published);
     for (std::size_t k = 0; k < laws.size(); ++k) {
       const double value = row.laws[k] ? *row.laws[k] : drag_of_note_body(row.label, asked[k].choice);
@@ -274,7 +280,8 @@ std::string note_section(const Report& report) {
 
 std::string figures_section(const Report& report, const std::vector<Sweep>& list, const std::map<std::string, nlohmann::json>& specs) {
   std::string text =
-      "<p>Lines: the laws, every 2.5\u00b0. Points: OpenFOAM with bars of \u00b12<i>u</i>. Diamonds: published values. The pillow effect "
+      "<p>Lines: the laws, every 2.5\u00b0. Points: OpenFOAM with bars of \u00b12<i>u</i>. Diamonds: published values, with bars where "
+      "they are the reference. The pillow effect "
       "moves the force's point, not its size: it shows in the "
       "moment alone. Coefficients, frames and signs: docs/conventions.md.</p>\n<p class=\"small\">Pressure coefficient of the laws on "
       "windward faces: ";
@@ -300,7 +307,15 @@ std::string figures_section(const Report& report, const std::vector<Sweep>& list
                    "Mean <i>C</i><sub>p</sub> of each planar face of the turbulent cases against the cosine <i>c</i>, and what each law "
                    "says. Points off a line at <i>c</i> &gt; 0 are errors of the windward "
                    "pressure, at <i>c</i> \u2264 0 of the suction. Edges of plates are left out.");
-  return section("figures", "Coefficients against orientation", text);
+  if (specs.contains("drag_against_reynolds"))
+    text +=
+        "<h3>Drag against the Reynolds number</h3>\n" +
+        figure("drag_against_reynolds",
+               "<i>C</i><sub>D</sub> of ball, cube and disc face-on, and of the plate at 30\u00b0. Line: the law by class. Black: OpenFOAM "
+               "\u00b12<i>u</i>, hollow where another case is of record. Diamonds: experiments and other published values, "
+               "\u00b12<i>u</i>; the "
+               "bar along Re is the range that they are given for. Grey: correlations of particles, drag alone, up to Re 10\u2074.");
+  return section("figures", "Coefficients against orientation and Reynolds number", text);
 }
 
 // --- 4. Errors by orientation ----------------------------------------------------------------------------------------------------------
@@ -324,8 +339,8 @@ std::string error_table(const Report& report, const Sweep& sweep, Channel channe
 
   Table table{.id = "errors-" + sweep.slug() + "-" + symbol(channel),
               .caption = html::symbol(symbol(channel)) +
-                         (wide ? ": OpenFOAM, laws and their errors." : ": OpenFOAM, and the error of every model.")};
-  table.head = {{{sweep.angle, "text"}, {"OpenFOAM \u00b1 <i>u</i>", "tight"}}};
+                         (wide ? ": reference, laws and their errors." : ": reference, and the error of every model.")};
+  table.head = {{{sweep.angle, "text"}, {"reference \u00b1 <i>u</i>", "tight"}}};
   if (any_published) table.head[0].push_back({"published"});
   if (wide) {
     table.head.push_back(std::vector<Cell>(table.head[0].size(), Cell{""}));
@@ -344,7 +359,7 @@ std::string error_table(const Report& report, const Sweep& sweep, Channel channe
       table.rows.push_back(cells);
       continue;
     }
-    cells.push_back({with_uncertainty(*row->cfd, row->u, row->discretisation_assessed, decimals) +
+    cells.push_back({with_uncertainty(*row->cfd, row->u, row->discretisation_assessed, decimals) + measured_word(*row) +
                      (row->other_branch ? " (two branches, other " + number(row->other_branch, decimals) + ")" : "")});
     if (any_published) cells.push_back({row->published ? number(row->published->value, 3) : ""});
     for (const ReportedModel* model : models) {
@@ -374,8 +389,8 @@ std::vector<std::string> off_sweep_tables(const Report& report, const std::vecto
     if (row->family != family) {
       end_table();
       family = row->family;
-      table = {.id = "errors-" + slug_of(family) + "-other", .caption = "Poses on no sweep: OpenFOAM, and the error of every model."};
-      table.head = {{{"case", "text"}, {"pose", "text"}, {""}, {"OpenFOAM \u00b1 <i>u</i>", "tight"}}};
+      table = {.id = "errors-" + slug_of(family) + "-other", .caption = "Poses on no sweep: reference, and the error of every model."};
+      table.head = {{{"case", "text"}, {"pose", "text"}, {""}, {"reference \u00b1 <i>u</i>", "tight"}}};
       add_model_heads(table, models);
     }
     const bool next = std::exchange(case_name, row->case_name) != row->case_name;
@@ -387,7 +402,7 @@ std::vector<std::string> off_sweep_tables(const Report& report, const std::vecto
       table.rows.push_back(cells);
       continue;
     }
-    cells.push_back({with_uncertainty(*row->cfd, row->u, row->discretisation_assessed, decimals)});
+    cells.push_back({with_uncertainty(*row->cfd, row->u, row->discretisation_assessed, decimals) + measured_word(*row)});
     for (const ReportedModel* model : models) {
       const auto same = std::find_if(model->table.rows.begin(), model->table.rows.end(), [&](const ErrorRow& other) {
         return other.case_name == row->case_name && other.channel == row->channel;
@@ -402,7 +417,8 @@ std::vector<std::string> off_sweep_tables(const Report& report, const std::vecto
 
 std::string errors_section(const Report& report, const std::vector<Sweep>& list) {
   std::string text =
-      "<p>Error = law \u2212 OpenFOAM. In parentheses: smaller than 2<i>u</i>, within the noise of the reference. A percentage is given "
+      "<p>Error = law \u2212 reference: OpenFOAM, or an experiment where that knows the force better. In parentheses: smaller than "
+      "2<i>u</i>, within the noise of the reference. A percentage is given "
       "where the coefficient is not near zero. * <i>u</i> lacks the part "
       "of the mesh.</p>\n";
   for (const Sweep& sweep : list) {
@@ -680,14 +696,14 @@ std::string processor() {
 }
 
 std::string provenance_section(const Report& report) {
-  std::set<std::string> tools, tiers, sources;
+  std::set<std::string> tools, tiers, sources, experiments;
   std::string first, last;
   int usable = 0;
   double cpu = 0.0;
   for (const CaseRecord& record : report.reference.cases) {
     for (const auto& [tool, version] : record.tools) tools.insert(tool + " " + version);
-    tiers.insert(record.tier);
-    sources.insert(record.source);
+    if (!record.is_experiment()) tiers.insert(record.tier);
+    (record.is_experiment() ? experiments : sources).insert(record.source);
     usable += case_record::is_usable(record.status) ? 1 : 0;
     for (const auto& [stage, cost] : record.cost) cpu += cost.cpu_s;
     if (record.finished.empty()) continue;
@@ -710,6 +726,7 @@ std::string provenance_section(const Report& report) {
   add("references", escape(report.source));
   add("runs", fmt::format("{}, {} of them usable, {:.0f} CPU seconds", report.reference.cases.size(), usable, cpu));
   add("solver", joined(sources));
+  if (!experiments.empty()) add("experiments", joined(experiments));
   add("tools", joined(tools));
   add("tier of the case matrix", joined(tiers));
   add("solved", first.empty() ? "" : escape(first + " to " + last));

@@ -119,7 +119,7 @@ std::vector<Sweep> sweeps(const Report& report) {
       for (const ErrorRow* row : line.rows) sweep.cases.push_back(records.at(row->case_name));
       const ErrorRow& row = *line.rows.front();
       sweep.title = row.shape + " at Re " + reynolds_text(row.reynolds) +
-                    (flow_class(row.flow_model) == "k_omega_sst" ? ", k-\u03c9 SST" : ", " + row.flow_model);
+                    (row.flow_class == "k_omega_sst" ? ", k-\u03c9 SST" : ", " + row.flow_class);
       std::array<double, 3> fixed = angles_of(row);
       fixed[line.angle] = 0.0;
       const bool turned = std::any_of(fixed.begin(), fixed.end(), [](double angle) { return angle != 0.0; });

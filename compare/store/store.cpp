@@ -26,9 +26,10 @@ using hdf5::Number;
 using hdf5::Table;
 using nlohmann::json;
 
-// Major: readers of an older one would misread. Minor: columns were added (1), the meshes of bodies that are given by triangles (2).
+// Major: readers of an older one would misread. Minor: columns were added (1), the meshes of bodies that are given by triangles (2), what an
+// experiment knows and how well (3).
 constexpr int schema_major = 1;
-constexpr int schema_minor = 2;
+constexpr int schema_minor = 3;
 const std::string schema_version = fmt::format("{}.{}", schema_major, schema_minor);
 constexpr const char* run_schema = "dragval run";
 constexpr const char* reference_schema = "dragval reference";
@@ -135,6 +136,15 @@ const std::vector<NumberColumn>& number_columns() {
       numbers(
           "u_null", {"N; N m", "size of the channels that symmetry says are zero, of (F, M)", "wind", ""},
           [](auto& r) -> auto& { return r.u_null; }),
+      since(3, numbers(
+                   "u_stated", {"N; N m", "standard uncertainty of an experiment, of (F, M)", "wind", ""},
+                   [](auto& r) -> auto& { return r.u_stated; })),
+      since(3, {"known",
+                {"1", "1: this channel of (F, M) is known; 0: nobody measured it, and its 0 means nothing", "wind", ""},
+                Number::integer,
+                6,
+                [](const CaseRecord& r, double* out) { std::copy(r.known.begin(), r.known.end(), out); },
+                [](CaseRecord& r, const double* in) { std::transform(in, in + 6, r.known.begin(), [](double k) { return k != 0.0; }); }}),
       numbers(
           "half_model", {"1", "1: solved with a symmetry plane, loads doubled", "", ""}, [](auto& r) -> auto& { return r.half_model; }),
       numbers(
@@ -280,12 +290,12 @@ void write_cases(const Handle& file, const std::vector<CaseRecord>& cases) {
     const CaseRecord& record = cases[static_cast<std::size_t>(i)];
     const dragcore::ShapeProperties body = dragcore::properties(record.shape);
     reference.row(i) << body.reference_area, body.reference_length;
-    known.row(i) = (record.u_iteration.array().square() + record.u_statistical.array().square() + record.u_null.array().square()).sqrt();
+    known.row(i) = record.own_variance().cwiseSqrt();
     if (!known.row(i).allFinite()) known.row(i).setZero();
   }
   hdf5::write(group, "reference_area", reference.col(0), {"m2", "A_ref of the coefficients", "", ""});
   hdf5::write(group, "reference_length", reference.col(1), {"m", "L_ref of the moment coefficients and of Re", "", ""});
-  const std::string without = " (iteration, statistics, symmetry; without discretisation)";
+  const std::string without = " (iteration, statistics, symmetry, or as an experiment states it; without discretisation)";
   hdf5::write(group, "force_uncertainty", known.leftCols(3), {"N", "standard uncertainty of the total force" + without, "wind", ""});
   hdf5::write(group, "moment_uncertainty", known.rightCols(3), {"N m", "standard uncertainty of the total moment" + without, "wind", ""});
   hdf5::label_rows(group, "name");

@@ -60,7 +60,8 @@ ErrorRow row_of(const CaseRecord& record) {
   ErrorRow row;
   row.case_name = record.name;
   row.shape = shape_label(record.shape);
-  row.family = fmt::format("{}, Re {:g}, {}", row.shape, record.reynolds, flow_class(record.flow_model));
+  row.flow_class = flow_class(record);
+  row.family = fmt::format("{}, Re {:g}, {}", row.shape, record.reynolds, row.flow_class);
   row.incidence_deg = record.pose.incidence / deg;
   row.yaw_deg = record.pose.yaw / deg;
   row.roll_deg = record.pose.roll / deg;
@@ -76,6 +77,7 @@ ErrorRow row_of(const CaseRecord& record) {
 /// How u_disc was found.
 std::string mesh_note(const CaseFamily& family) {
   const LoadUncertainty& u = family.uncertainty;
+  if (family.record->is_experiment()) return fmt::format("{}: an experiment, {}", family.record->name, family.record->source);
   if (!u.discretisation_assessed) return fmt::format("{}: u of the mesh {}", family.record->name, u.branches.front());
   return fmt::format("{}: u of the mesh in C_D {:.2g} from {} usable level{}, {}", family.record->name,
                      u.discretisation[0] / coefficient_scales(*family.record)[0], family.usable_levels().size(),
@@ -118,9 +120,9 @@ std::vector<ErrorSummary> summaries_of(const std::vector<ErrorRow>& rows, const 
 /// The whole table in a few numbers.
 std::vector<ErrorSummary> totals_of(const std::vector<ErrorRow>& rows) {
   const std::array<std::pair<const char*, std::function<bool(const ErrorRow&)>>, 3> groups = {
-      {{"turbulent", [](const ErrorRow& row) { return flow_class(row.flow_model) != "laminar" && !row.held_out; }},
-       {"turbulent, held out", [](const ErrorRow& row) { return flow_class(row.flow_model) != "laminar" && row.held_out; }},
-       {"laminar", [](const ErrorRow& row) { return flow_class(row.flow_model) == "laminar"; }}}};
+      {{"turbulent", [](const ErrorRow& row) { return row.flow_class != "laminar" && !row.held_out; }},
+       {"turbulent, held out", [](const ErrorRow& row) { return row.flow_class != "laminar" && row.held_out; }},
+       {"laminar", [](const ErrorRow& row) { return row.flow_class == "laminar"; }}}};
   std::vector<ErrorSummary> totals;
   for (const auto& [name, belongs] : groups)
     for (const Channel channel : all_channels) {
@@ -228,12 +230,13 @@ ErrorTable compare_with(const std::vector<CaseRecord>& records, const Predictor&
     const CaseRecord& record = *family.record;
     const bool usable = case_record::is_usable(record.status);
     ErrorRow row = row_of(record);
+    row.held_out = chosen.held_out;
     const dragcore::Wrench predicted = model(record);
     const Coefficients ours = coefficients(record, predicted.force, predicted.torque);
     const Coefficients theirs = coefficients(record);
     const dragcore::Validity valid = validity(record);
     row.doubts = doubts_of(valid);
-    if (usable && is_shown(record.name)) {
+    if (usable && record.knows_force() && is_shown(record.name)) {
       const Eigen::Vector3d found = theirs.values.head<3>();
       const double relative = (ours.values.head<3>() - found).norm() / found.norm();
       table.doubts.large += relative > 0.25;
@@ -249,7 +252,7 @@ ErrorTable compare_with(const std::vector<CaseRecord>& records, const Predictor&
       row.channel = channel;
       row.model = ours[channel];
       row.cfd = usable ? theirs[channel] : std::nullopt;
-      row.reason = record.reason;
+      row.reason = usable && !row.cfd && channel != Channel::centre_of_pressure ? "not measured" : record.reason;
       row.u = row.cfd ? channel_uncertainty(record, family.uncertainty, channel, true) : 0.0;
       if (channel == Channel::centre_of_pressure && row.u > largest_arm_uncertainty) {
         row.reason = fmt::format("not known: its u is {:.2g} lengths of the body", row.u);
@@ -262,7 +265,7 @@ ErrorTable compare_with(const std::vector<CaseRecord>& records, const Predictor&
       row.verdict.reset();
       if (row.error)
         row.verdict = std::abs(*row.error) > std::max(2.0 * row.u, rounding_residue) ? Verdict::resolved : Verdict::within_noise;
-      row.published = published_value(record, symbol(channel));
+      if (!record.is_experiment()) row.published = published_value(record, symbol(channel));
       // Where neither side has a centre of pressure there is nothing to tell.
       if (channel == Channel::centre_of_pressure && !row.model && !row.cfd) continue;
       table.rows.push_back(row);

@@ -27,6 +27,7 @@ struct ErrorRow {
   double roll_deg = 0.0;
   double reynolds = 0.0;
   std::string flow_model;
+  std::string flow_class;  ///< flow_class(): of an experiment, of which solutions it takes the place
   std::string mesh_level;
   bool held_out = false;
   std::string status;  ///< to_string(Status), or "missing"

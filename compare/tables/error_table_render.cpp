@@ -14,6 +14,7 @@
 namespace compare {
 namespace {
 
+using case_record::CaseRecord;
 using nlohmann::json;
 std::string percent(const std::optional<double>& ratio) { return ratio ? number_text(100.0 * *ratio, "{:+.1f} %") : ""; }
 
@@ -36,6 +37,12 @@ std::string orientation(const ErrorRow& row) {
   return text.empty() ? "0°" : text;
 }
 
+/// What is no steady solution says what it is.
+std::string method_word(const ErrorRow& row) {
+  if (row.flow_model == CaseRecord::experiment) return ", experiment";
+  return row.flow_model != row.flow_class ? ", scale-resolving" : "";
+}
+
 bool held_out(const std::vector<const ErrorRow*>& rows) {
   return std::all_of(rows.begin(), rows.end(), [](const ErrorRow* row) { return row->held_out; });
 }
@@ -43,13 +50,12 @@ bool held_out(const std::vector<const ErrorRow*>& rows) {
 TextGrid rows_grid(const std::vector<const ErrorRow*>& rows) {
   const bool all_held_out = held_out(rows);  // then the heading says so
   TextGrid grid;
-  grid.add({"orientation", "", "model", "CFD", "u", "error", "relative", "verdict", "published", "CFD to it", "doubts"});
+  grid.add({"orientation", "", "model", "reference", "u", "error", "relative", "verdict", "published", "to it", "doubts"});
   std::string previous;
   for (const ErrorRow* row : rows) {
     const std::string where = row->status == "missing"
                                   ? row->case_name
-                                  : orientation(*row) + (row->flow_model != flow_class(row->flow_model) ? ", scale-resolving" : "") +
-                                        (row->held_out && !all_held_out ? ", held out" : "");
+                                  : orientation(*row) + method_word(*row) + (row->held_out && !all_held_out ? ", held out" : "");
     const bool usable = row->cfd || row->status == "steady" || row->status == "statistically_steady";
     const fmt::text_style style = !usable                             ? fg(fmt::terminal_color::red)
                                   : row->verdict == Verdict::resolved ? fg(fmt::terminal_color::yellow)

@@ -30,10 +30,10 @@ double asymmetry(const CaseFamily& family) {
   return worst;
 }
 
-/// Usable, at rest, and no variant of the numerics; the two ways through a range of angles are cases of their own.
+/// Solved on a mesh, usable, at rest, and no variant of the numerics; the two ways through a range of angles are cases of their own.
 bool is_counted(const case_record::CaseRecord& record) {
   const std::string variant = split_name(record.name, record.mesh_level).variant;
-  return is_usable(record.status) && !record.spins() && (variant.empty() || variant == "up" || variant == "down");
+  return is_usable(record.status) && !record.is_experiment() && !record.spins() && (variant.empty() || variant == "up" || variant == "down");
 }
 
 double median(std::vector<double>& values) {
@@ -53,7 +53,7 @@ std::vector<MeshRow> mesh_rows(const std::vector<case_record::CaseRecord>& recor
     const std::pair key(dragcore::kind(record.shape), fmt::format("Re {:g}, {}", record.reynolds, record.flow_model));
     MeshRow& row = rows[key];
     row.body = key.first, row.flow = key.second;
-    row.aim = flow_class(record.flow_model) == "laminar" ? 0.015 : 0.03;
+    row.aim = flow_class(record) == "laminar" ? 0.015 : 0.03;
     ++row.poses;
     if (!family.uncertainty.discretisation_assessed) {
       ++row.unknown;

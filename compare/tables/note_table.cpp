@@ -20,6 +20,7 @@ std::vector<NoteRow> note_table(const std::vector<case_record::CaseRecord>& reco
       const case_record::CaseRecord& record = *family.record;
       if (!case_record::is_usable(record.status) || !entry.fits(record)) continue;
       row.case_name = record.name;
+      row.measured = record.is_experiment();
       row.cfd = *coefficients(record)[Channel::drag] / entry.area_factor;
       row.discretisation_assessed = family.uncertainty.discretisation_assessed;
       row.u = family.uncertainty.total[0] / coefficient_scales(record)[0] / entry.area_factor;
@@ -38,11 +39,11 @@ std::string render(const std::vector<NoteRow>& rows, const std::vector<NamedMode
   if (format != Format::table && format != Format::markdown)
     throw std::invalid_argument("the note's table is rendered as table or md only");
   TextGrid grid;
-  std::vector<std::string> heading = {"shape", "note's table", "OpenFOAM", "u"};
+  std::vector<std::string> heading = {"shape", "note's table", "reference", "u"};
   for (const NamedModel& model : models) heading.push_back("law " + model.name);
   grid.add(heading);
   for (const NoteRow& row : rows) {
-    std::vector<std::string> cells = {row.label, number_text(row.published, "{:.2f}"), row.cfd ? number_text(row.cfd) : "-",
+    std::vector<std::string> cells = {row.label, number_text(row.published, "{:.2f}"), row.cfd ? number_text(row.cfd) + (row.measured ? ", measured" : "") : "-",
                                       row.cfd ? number_text(row.u, "{:.2g}") + (row.discretisation_assessed ? "" : "*") : ""};
     for (const auto& value : row.laws) cells.push_back(value ? number_text(value) : "-");
     grid.add(cells);

@@ -10,7 +10,8 @@
 
 namespace compare {
 
-/// A row of the table of drag coefficients that opens the note, with what OpenFOAM and the laws say; all on the note's frontal area.
+/// A row of the table of drag coefficients that opens the note, with what the case of record and the laws say; all on the note's frontal
+/// area.
 struct NoteRow {
   std::string label;  ///< "Cube at 45 deg"
   double published = 0.0;
@@ -19,6 +20,7 @@ struct NoteRow {
   bool discretisation_assessed = false;  ///< false: `u` lacks the part of the mesh and is printed with a *
   std::string case_name;
   std::vector<std::optional<double>> laws;  ///< in the order of the models asked for
+  bool measured = false;                    ///< the case of record is an experiment
 };
 
 /// @param models  whose C_D to add

@@ -26,6 +26,19 @@ with tempfile.TemporaryDirectory() as folder:
     assert "nothing changed" in run(*collect, code=0).stdout
     assert open("results/reference.h5", "rb").read() == before
 
+    # A measurement enters the store like a run, once; a table that cannot be right changes nothing.
+    with open("tunnel.csv", "w") as tunnel:
+        tunnel.write("shape,parameters,reynolds,area_m2,C_D,u_C_D,source\nsphere,diameter=1,1e5,0.785398,0.5,0.02,me_2026\n")
+    assert "14 cases, 1 measurements entered\n" in run("import", "tunnel.csv", code=0).stdout
+    assert "nothing changed" in run("import", "tunnel.csv", code=0).stdout
+    assert "sphere_incidence-000_re-1e5_me_2026" in run("compare", "--only", "sphere", "--format", "csv", code=0).stdout
+    assert "tunnel.csv" in run("import", "no/tunnel.csv", code=3).stderr
+    with open("tunnel.csv", "a") as tunnel:
+        tunnel.write("sphere,diameter=1,1e5,0.785398,0.5,,me_2026\n")
+    assert "tunnel.csv, line 3" in run("import", "tunnel.csv", code=2).stderr
+    os.remove("results/reference.h5")
+    run(*collect, code=0)
+
     # What accuracy costs: an answer first; a wanted error that is no number, or a body that nobody has, is said so.
     words = run("cost", "--quick", code=0).stdout
     assert words.startswith("Nearest without CFD: ") and "Half the error of" in words and "C_D of the body" in words, words

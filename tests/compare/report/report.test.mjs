@@ -91,6 +91,12 @@ describe('references made by a law with scale 0.9 and base suction 0.3', () => {
 
   test('the page opens without a fault, a request or a clipped label', () => checkPage(opened));
 
+  test('drag is drawn against the Reynolds number, four bodies with their law, correlations and published values', async () => {
+    const words = await opened.page.$$eval('[data-figure="drag_against_reynolds"] text', (list) => list.map((text) => text.textContent));
+    for (const word of ['C_D, ball', 'C_D, cube, face-on', 'C_D, disc, face-on', 'C_D, plate at 30°', 'drag crisis', 'Ganser', 'law by class', 'published'])
+      assert.ok(words.includes(word), `${word} is missing among ${words}`);
+  });
+
   test('the plate normal to the flow has C_D 1.02 (0.9 + 0.3), the note says 1', async () => {
     const table = await rows(opened.page, 'errors-plate-Re-100000-k-omega-sst-C_D');
     assert.equal(table.length, 7);

@@ -59,6 +59,8 @@ void check_equal(const CaseRecord& a, const CaseRecord& b) {
   CHECK(a.u_iteration == b.u_iteration);
   CHECK(a.u_statistical == b.u_statistical);
   CHECK(a.u_null == b.u_null);
+  CHECK(a.u_stated == b.u_stated);
+  CHECK(a.known == b.known);
   CHECK(a.cells == b.cells);
   CHECK(a.mesh_quality == b.mesh_quality);
   CHECK(a.surface_area == b.surface_area);
@@ -79,6 +81,8 @@ CaseRecord distinct_record() {
   r.load_last.force_viscous *= 1.01;
   r.load_last.moment_pressure += Eigen::Vector3d(1e-17, -2.0, 3e8);
   r.u_null << 1, 2, 3, 4, 5, 6e-9;
+  r.u_stated << 6, 5, 4, 3, 2, 1e-9;
+  r.known = {true, false, true, true, false, false};
   r.held_out = true;
   r.reason = "commas, \"quotes\", ünïcode and\nlines";
   return r;
