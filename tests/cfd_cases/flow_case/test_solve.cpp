@@ -110,8 +110,7 @@ TEST_CASE("the dual mesh keeps an edge that turns by less than 60 degrees", "[cf
 
 TEST_CASE("a zone that should turn and holds no cell is refused, whatever topoSet returns", "[cfd_cases][cfd][regression]") {
   // simpleFoam with an empty zone ends with exit code 0 and the torque of a body at rest.
-  CaseSpec spec;
-  spec.shape = dragcore::Sphere{};
+  CaseSpec spec;  // the plate of 1 x 1: a ball of radius 2.5 turns
   spec.spin.axis = "z";
   const Tools tools = find_tools(CFD_MESH_PROGRAM);
   const auto zoned = [&](double from) {
