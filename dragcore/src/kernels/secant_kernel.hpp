@@ -11,6 +11,8 @@ namespace dragcore::kernels {
 struct SecantSums {
   static constexpr std::size_t normal = 0, mixed = 6, moment = 15, rubbed = 21, rubbed_first = 22, rubbed_second = 25, given = 31,
                                given_power = 37, rows = 38;
+  /// A sum of dyads must not be negative along any axis, but float leaves it off by a share of its trace. Added to its diagonal.
+  static constexpr double rounding = 4e-7;
   std::array<double, rows> row{};
 };
 
