@@ -41,17 +41,14 @@ class Worst {
 Vector6d six(const Wrench& w) { return (Vector6d() << w.force, w.torque).finished(); }
 Vector6d through_air(const Motion& m) { return (Vector6d() << m.wind - m.velocity, -m.angular_velocity).finished(); }
 
-/// Largest of the law's coefficients, to scale rounding errors by.
-double strength(const Law& law) {
+/// Largest of the law's coefficients, to scale rounding errors by. What single precision promises of known laws has no such factor.
+double strength(const Law& law, Precision precision = Precision::full) {
+  if (precision == Precision::single && law.name != "wild") return 1.0;
   double sum = 1.0 + law.friction + 2.0 * law.base_suction * (1.0 + law.aspect_gain) + law.base_suction + law.curvature;
   for (const double c : law.windward) sum += std::abs(c);
   for (const double c : law.leeward) sum += std::abs(c);
   return sum;
 }
-
-/// Slivers turn their normals by rounding, and a triangle edge-on may fall on either side: in single ten times what is promised of bodies
-/// that are well shaped, as in test_wrench_kernel.cpp.
-double slivers(Precision precision, double of_double) { return precision == Precision::single ? 1e-5 : of_double; }
 
 Motion rotated(const Matrix3d& R, const Motion& m) {
   return {R * m.wind, R * m.velocity, R * m.angular_velocity, R * m.reference_point, R * m.wind_gradient * R.transpose()};
@@ -76,7 +73,7 @@ TEST_CASE("on random bodies the fast wrench is the reference, the parts are the 
       for (Eigen::Index i = 0; i < surface.size(); ++i) winds.push_back(random.vector(10.0));
       motion.triangle_wind = winds;
     }
-    const double force = hostile::force_scale(surface, motion, 1.225) * strength(model.law) + 1e-300,
+    const double force = hostile::force_scale(surface, motion, 1.225) * strength(model.law, precision) + 1e-300,
                  arm = hostile::arm_scale(surface, motion);
     const auto distance = [&](const Wrench& a, const Wrench& b) {
       return (a.force - b.force).norm() / force + (a.torque - b.torque).norm() / (force * arm);
@@ -110,11 +107,11 @@ TEST_CASE("on random bodies the fast wrench is the reference, the parts are the 
     negative.see(-Eigen::SelfAdjointEigenSolver<Matrix6d>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0] / (scaled.norm() + 1e-300),
                  seed);
   }
-  CHECK_WORST(unlike_reference, slivers(precision, 1e-11));
-  CHECK_WORST(unlike_parts, slivers(precision, 1e-13));
-  CHECK_WORST(gain, hostile::rounding(precision, 1e-14));
+  CHECK_WORST(unlike_reference, hostile::rounding(precision, 1e-11));
+  CHECK_WORST(unlike_parts, hostile::rounding(precision, 1e-13));
+  CHECK_WORST(gain, precision == Precision::single ? 1e-7 : 1e-14);  // a last bit or two; observed none in either
   CHECK_WORST(gain_of_parts, 1e-14);
-  CHECK_WORST(secant, slivers(precision, 1e-12));
+  CHECK_WORST(secant, hostile::rounding(precision, 1e-12));
   CHECK_WORST(negative, 1e-13);
 }
 
@@ -136,7 +133,7 @@ TEST_CASE("turning or mirroring a random body and its motion turns or mirrors th
     for (Eigen::Index i = 0; i < surface.size(); ++i)
       needle = std::max(
           needle, std::max(surface.edge_ab.row(i).matrix().squaredNorm(), surface.edge_ac.row(i).matrix().squaredNorm()) / surface.area[i]);
-    const double force = needle * (hostile::force_scale(surface, motion, 1.225) * strength(model.law) + 1e-300),
+    const double force = needle * (hostile::force_scale(surface, motion, 1.225) * strength(model.law, precision) + 1e-300),
                  arm = hostile::arm_scale(surface, motion);
     const auto distance = [&](const Wrench& a, const Wrench& b) {
       return (a.force - b.force).norm() / force + (a.torque - b.torque).norm() / (force * arm);
@@ -161,9 +158,9 @@ TEST_CASE("turning or mirroring a random body and its motion turns or mirrors th
     const Wrench there = wrench(surface, elsewhere, {}, model).total();
     moved.see(distance({before.force, before.torque - lever.cross(before.force)}, there), seed);
   }
-  CHECK_WORST(turned, slivers(precision, 1e-13));
-  CHECK_WORST(mirrored, slivers(precision, 1e-13));
-  CHECK_WORST(moved, slivers(precision, 1e-12));  // the lever's own rounding, where spin is 1000 times the rest
+  CHECK_WORST(turned, hostile::rounding(precision, 1e-13));
+  CHECK_WORST(mirrored, hostile::rounding(precision, 1e-13));
+  CHECK_WORST(moved, hostile::rounding(precision, 1e-12));  // the lever's own rounding, where spin is 1000 times the rest
 }
 
 TEST_CASE("a sheet has no outside: the winding of any of its triangles does not matter", "[property][invariance]") {
@@ -184,11 +181,12 @@ TEST_CASE("a sheet has no outside: the winding of any of its triangles does not 
     hostile::Body other = body;
     for (Eigen::Vector3i& t : other.mesh.triangles)
       if (random.uniform(0.0, 1.0) < 0.5) std::swap(t[1], t[2]);
-    const double force = hostile::force_scale(surface, motion, 1.225) * strength(model.law), arm = hostile::arm_scale(surface, motion);
+    const double force = hostile::force_scale(surface, motion, 1.225) * strength(model.law, precision),
+                 arm = hostile::arm_scale(surface, motion);
     const Wrench a = wrench(surface, motion, {}, model).total(), b = wrench(other.surface(), motion, {}, model).total();
     flipped.see((a.force - b.force).norm() / force + (a.torque - b.torque).norm() / (force * arm), seed);
   }
-  CHECK_WORST(flipped, slivers(precision, 1e-11));  // rounding, times the needles among the triangles
+  CHECK_WORST(flipped, hostile::rounding(precision, 1e-11));  // rounding, times the needles among the triangles
 }
 
 TEST_CASE("splitting the triangles of a random body that does not spin leaves the wrench alone", "[property][invariance]") {
@@ -213,11 +211,12 @@ TEST_CASE("splitting the triangles of a random body that does not spin leaves th
       fine.mesh.triangles.insert(fine.mesh.triangles.end(), {{t[0], ab, ca}, {ab, t[1], bc}, {ca, bc, t[2]}, {ab, bc, ca}});
     }
     const Surface surface = body.surface();
-    const double force = hostile::force_scale(surface, motion, 1.225) * strength(model.law), arm = hostile::arm_scale(surface, motion);
+    const double force = hostile::force_scale(surface, motion, 1.225) * strength(model.law, precision),
+                 arm = hostile::arm_scale(surface, motion);
     const Wrench a = wrench(surface, motion, {}, model).total(), b = wrench(fine.surface(), motion, {}, model).total();
     split.see((a.force - b.force).norm() / force + (a.torque - b.torque).norm() / (force * arm), seed);
   }
-  CHECK_WORST(split, slivers(precision, 1e-11));  // rounding, times the needles among the triangles
+  CHECK_WORST(split, hostile::rounding(precision, 1e-11));  // rounding, times the needles among the triangles
 }
 
 TEST_CASE("under a law without descriptors a triangle feels the same alone as among others", "[property][invariance]") {
@@ -267,7 +266,8 @@ TEST_CASE("air that turns with a body is air at rest about it, and air that turn
     both.angular_velocity = spin, both.wind_gradient = turning;
     air.wind_gradient = turning;
     body.angular_velocity = -spin;
-    const double force = hostile::force_scale(surface, both, 1.225) * strength(model.law), arm = hostile::arm_scale(surface, both);
+    const double force = hostile::force_scale(surface, both, 1.225) * strength(model.law, precision),
+                 arm = hostile::arm_scale(surface, both);
     const auto distance = [&](const Motion& m, const Motion& n) {
       const Wrench a = wrench(surface, m, {}, model).total(), b = wrench(surface, n, {}, model).total();
       return (a.force - b.force).norm() / force + (a.torque - b.torque).norm() / (force * arm);
@@ -275,8 +275,8 @@ TEST_CASE("air that turns with a body is air at rest about it, and air that turn
     turned.see(distance(air, body), seed);
     carried.see(distance(both, still), seed);
   }
-  CHECK_WORST(turned, slivers(precision, 1e-13));
-  CHECK_WORST(carried, slivers(precision, 1e-13));
+  CHECK_WORST(turned, hostile::rounding(precision, 1e-13));
+  CHECK_WORST(carried, hostile::rounding(precision, 1e-13));
 }
 
 TEST_CASE("adaptive quadrature keeps to six points and never jumps", "[property][convergence]") {
@@ -396,7 +396,7 @@ TEST_CASE("force and torque change with the angle of the flow no faster than the
       torque += patch.area * (W.slope * moved + W.value * moves);
     }
     // Differences of rounded sums over an angle of 1e-6.
-    const double rounding = precision == Precision::full ? 1e-15 : 2e-6 * sides * surface.total_area * strength(law);
+    const double rounding = precision == Precision::full ? 1e-15 : 2e-6 * sides * surface.total_area * strength(law, precision);
     force_over_bound.see(((a.force - b.force).norm() - rounding) / (angle * (slope + friction) * surface.total_area), seed);
     torque_over_bound.see(((a.torque - b.torque).norm() - rounding * 2.0 * surface.radius) / (angle * torque), seed);
   }
