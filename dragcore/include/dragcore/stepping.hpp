@@ -50,9 +50,10 @@ Vector6d wind_excess(const Wrench& total, const Matrix6d& resistance, const Moti
 /// the body's descriptors and the share of pushing terms are held fixed.
 Matrix6d force_jacobian(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model);
 
-/// Spin after `dt` by the body's inertia alone (Euler's equations, implicit midpoint): rotational energy stays, at any dt; so does the size
-/// of angular momentum while the body turns by less than about a third of a radian a step. Second order in dt. Replace
-/// `motion.angular_velocity` with it before resistance(), and turn the body by dt times the spin that the step returns.
+/// Spin after `dt` by the body's inertia alone (Euler's equations, implicit midpoint): rotational energy stays, at any spin and dt, of
+/// bodies whose principal moments are up to 1e14 apart; so does the size of angular momentum while the body turns by less than about a
+/// third of a radian a step. Second order in dt. Replace `motion.angular_velocity` with it before resistance(), and turn the body by dt
+/// times the spin that the step returns.
 /// @return  body axes [rad/s]. @throws std::invalid_argument  as MassProperties::matrix(), or on a spin or dt that is not finite
 Eigen::Vector3d gyroscopic_spin(const MassProperties& body, const Eigen::Vector3d& angular_velocity, double dt);
 

@@ -29,10 +29,8 @@ Eigen::Matrix<double, 6, 6> matrix(const SecantSums& sums) {
   s.topRightCorner<3, 3>() = mixed - turn;
   s.bottomLeftCorner<3, 3>() = s.topRightCorner<3, 3>().transpose();
   s.bottomRightCorner<3, 3>() = moment + second.trace() * Matrix3d::Identity() - second;
-  // A sum of dyads in single precision may be off by this share of its size along any axis, and must not be negative.
-  constexpr double rounding = 4e-7;
-  s.topLeftCorner<3, 3>().diagonal().array() += rounding * s.topLeftCorner<3, 3>().trace();
-  s.bottomRightCorner<3, 3>().diagonal().array() += rounding * s.bottomRightCorner<3, 3>().trace();
+  s.topLeftCorner<3, 3>().diagonal().array() += SecantSums::rounding * s.topLeftCorner<3, 3>().trace();
+  s.bottomRightCorner<3, 3>().diagonal().array() += SecantSums::rounding * s.bottomRightCorner<3, 3>().trace();
   return s;
 }
 

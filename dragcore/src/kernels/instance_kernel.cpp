@@ -1,5 +1,9 @@
 #include "kernels/instance_kernel.hpp"
 
+#include <limits>
+
+#include "kernels/secant_kernel.hpp"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/instance_kernel.cpp"
 #include <hwy/foreach_target.h>
@@ -206,17 +210,16 @@ void sum(const Bodies& bodies, const Kernel<Sums>* windwards, const Kernel<Sums>
   if (law.leeward || law.recovery || rubs) straights[straight_effects(law, has_two_sides)](bodies, sums);
 }
 
-/// (1 + x^8)^(-1/8)
-HWY_INLINE V held(V x) {
-  const V x2 = hn::Mul(x, x), x4 = hn::Mul(x2, x2);
-  return hn::Div(set(1.0f), hn::Sqrt(hn::Sqrt(hn::Sqrt(hn::MulAdd(x4, x4, set(1.0f))))));
-}
-
-/// EnergyBalance::gain_share()
-HWY_INLINE V gain_share(V taken, V given) {
-  const V bound = hn::Mul(set(static_cast<float>(largest_gain)), taken);
-  const V low = hn::Min(given, bound), high = hn::Max(given, bound), x = hn::Div(low, hn::Max(high, set(tiny))), share = held(x);
-  return hn::IfThenElse(hn::Le(given, bound), share, hn::Mul(x, share));
+/// EnergyBalance::gain_share(), in single or double precision.
+template <class Tag, class Numbers = hn::Vec<Tag>>
+HWY_INLINE Numbers gain_share(Tag tag, Numbers taken, Numbers given) {
+  using Number = hn::TFromD<Tag>;
+  const Numbers one = hn::Set(tag, Number{1}), bound = hn::Mul(hn::Set(tag, static_cast<Number>(largest_gain)), taken);
+  const Numbers low = hn::Min(given, bound), high = hn::Max(given, bound);
+  const Numbers x = hn::Div(low, hn::Max(high, hn::Set(tag, std::numeric_limits<Number>::min())));
+  const Numbers x2 = hn::Mul(x, x), x4 = hn::Mul(x2, x2);
+  const Numbers held = hn::Div(one, hn::Sqrt(hn::Sqrt(hn::Sqrt(hn::MulAdd(x4, x4, one)))));  // (1 + x^8)^(-1/8)
+  return hn::IfThenElse(hn::Le(given, bound), held, hn::Mul(x, held));
 }
 
 }  // namespace
@@ -254,7 +257,7 @@ void instance_wrenches_on_target(const InstanceTask& task, const InstanceMotions
       }
       scale = hn::Mul(bodies.travel, bodies.travel);  // in units of its own dynamic pressure so far
     }
-    const V share = task.law.curvature || task.law.recovery ? gain_share(sums.taken_power, sums.given_power) : hn::Zero(f);
+    const V share = task.law.curvature || task.law.recovery ? gain_share(f, sums.taken_power, sums.given_power) : hn::Zero(f);
     V force[3], torque[3];
     for (std::size_t axis = 0; axis < 3; ++axis) {
       force[axis] = hn::Mul(scale, hn::MulAdd(share, sums.given.force[axis], sums.taken.force[axis]));
@@ -336,29 +339,45 @@ HWY_INLINE hn::Mask<D> sound_mass(const InstanceSteps& steps, std::size_t lane) 
                                                                                 hn::Sub(half, i[3]), hn::Neg(i[4]), hn::Sub(half, i[5]))));
 }
 
-/// gyroscopic_spin(): implicit midpoint.
-HWY_INLINE void turn_by_inertia(InstanceSteps& steps, std::size_t lane) {
-  W inertia[3][3], spin[3], turned[3];
+HWY_INLINE void cross3(const W (&a)[3], const W (&b)[3], W (&x)[3]) {
   for (std::size_t i = 0; i < 3; ++i) {
-    spin[i] = turned[i] = at_wide(steps.spin[i], lane);
-    for (std::size_t k = 0; k < 3; ++k) inertia[i][k] = at_wide(steps.inertia[in_six[i][k]], lane);
+    const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+    x[i] = hn::MulSub(a[j], b[k], hn::Mul(a[k], b[j]));
   }
-  const W half = wide_set(0.5), step = wide_set(0.5 * steps.dt);
+}
+
+/// gyroscopic_spin(). A turn whose square is beyond all numbers leaves none.
+HWY_INLINE void turn_by_inertia(InstanceSteps& steps, std::size_t lane) {
+  W spin[3], inertia[6];
+  for (std::size_t i = 0; i < 3; ++i) spin[i] = at_wide(steps.spin[i], lane);
+  for (std::size_t k = 0; k < 6; ++k) inertia[k] = at_wide(steps.inertia[k], lane);
+  // I = C C^T, the diagonal by its inverse.
+  const W one = wide_set(1.0);
+  const auto inverse_root = [one](W square) { return hn::Div(one, hn::Sqrt(square)); };
+  const W d0 = inverse_root(inertia[0]), c10 = hn::Mul(inertia[1], d0), c20 = hn::Mul(inertia[2], d0);
+  const W d1 = inverse_root(hn::NegMulAdd(c10, c10, inertia[3])), c21 = hn::Mul(hn::NegMulAdd(c10, c20, inertia[4]), d1);
+  const W d2 = inverse_root(hn::NegMulAdd(c21, c21, hn::NegMulAdd(c20, c20, inertia[5])));
+  const W c00 = hn::Div(one, d0), c11 = hn::Div(one, d1), c22 = hn::Div(one, d2);
+  const W y[3] = {hn::MulAdd(c00, spin[0], hn::MulAdd(c10, spin[1], hn::Mul(c20, spin[2]))),
+                  hn::MulAdd(c11, spin[1], hn::Mul(c21, spin[2])), hn::Mul(c22, spin[2])};
+  const W rate = hn::Mul(wide_set(0.25 * steps.dt), hn::Mul(d0, hn::Mul(d1, d2)));
+  W change[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
   for (int iteration = 0; iteration < 4; ++iteration) {
-    W mean[3], momentum[3];
-    for (std::size_t i = 0; i < 3; ++i) mean[i] = hn::Mul(half, hn::Add(spin[i], turned[i]));
-    for (std::size_t i = 0; i < 3; ++i) momentum[i] = hn::Mul(step, sum_of_products(inertia[i], mean, 3));
-    const W zero = hn::Zero(d);
-    const W turn[3][3] = {
-        {zero, hn::Neg(momentum[2]), momentum[1]}, {momentum[2], zero, hn::Neg(momentum[0])}, {hn::Neg(momentum[1]), momentum[0], zero}};
-    W left[3][3], right[3];
-    for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t k = 0; k < 3; ++k) left[i][k] = hn::Sub(inertia[i][k], turn[i][k]);
-      right[i] = hn::Add(sum_of_products(inertia[i], spin, 3), sum_of_products(turn[i], spin, 3));
-    }
-    solve3(left, right, turned);
+    W twice[3], q[3], across[3], over[3];
+    for (std::size_t i = 0; i < 3; ++i) twice[i] = hn::Mul(rate, hn::MulAdd(wide_set(2.0), y[i], change[i]));
+    // C^T C times it
+    const W m0 = hn::Mul(c00, twice[0]), m1 = hn::MulAdd(c10, twice[0], hn::Mul(c11, twice[1])),
+            m2 = hn::MulAdd(c20, twice[0], hn::MulAdd(c21, twice[1], hn::Mul(c22, twice[2])));
+    q[0] = hn::MulAdd(c00, m0, hn::MulAdd(c10, m1, hn::Mul(c20, m2)));
+    q[1] = hn::MulAdd(c11, m1, hn::Mul(c21, m2)), q[2] = hn::Mul(c22, m2);
+    cross3(q, y, across), cross3(q, across, over);
+    const W scale = hn::Div(wide_set(2.0), hn::Add(one, sum_of_products(q, q, 3)));
+    for (std::size_t i = 0; i < 3; ++i) change[i] = hn::Mul(scale, hn::Add(across[i], over[i]));
   }
-  for (std::size_t i = 0; i < 3; ++i) hn::Store(turned[i], d, steps.spin[i] + lane);
+  const W turned2 = hn::Mul(d2, change[2]), turned1 = hn::Mul(d1, hn::NegMulAdd(c21, turned2, change[1])),
+          turned0 = hn::Mul(d0, hn::NegMulAdd(c10, turned1, hn::NegMulAdd(c20, turned2, change[0])));
+  hn::Store(hn::Add(spin[0], turned0), d, steps.spin[0] + lane), hn::Store(hn::Add(spin[1], turned1), d, steps.spin[1] + lane);
+  hn::Store(hn::Add(spin[2], turned2), d, steps.spin[2] + lane);
 }
 
 /// Sums of `Secant` in double, of half the bodies of a vector at once.
@@ -408,8 +427,8 @@ void instance_steps_on_target(const InstanceTask& task, InstanceMotions& motions
         tt[i][k] = hn::Sub(at(15 + in_six[i][k]), at(25 + in_six[i][k]));
         if (i == k) tt[i][k] = hn::Add(tt[i][k], second_trace);
       }
-    // As fast_secant(): rounding must leave nothing negative.
-    const W rounding = wide_set(4e-7), force_trace = hn::Add(ff[0][0], hn::Add(ff[1][1], ff[2][2])),
+    // As fast_secant().
+    const W rounding = wide_set(SecantSums::rounding), force_trace = hn::Add(ff[0][0], hn::Add(ff[1][1], ff[2][2])),
             torque_trace = hn::Add(tt[0][0], hn::Add(tt[1][1], tt[2][2]));
     for (std::size_t i = 0; i < 3; ++i) {
       ff[i][i] = hn::MulAdd(rounding, force_trace, ff[i][i]);
@@ -458,10 +477,7 @@ void instance_steps_on_target(const InstanceTask& task, InstanceMotions& motions
       s.apply(felt, held_back);
       const W taken_power = sum_of_products(held_back, felt, 6), to_newton = hn::Mul(unit, v);
       const W given_power = hn::Mul(hn::Mul(to_newton, v), at(37));
-      const W bound = hn::Mul(wide_set(largest_gain), taken_power), low = hn::Min(given_power, bound), high = hn::Max(given_power, bound);
-      const W x = hn::Div(low, hn::Max(high, wide_set(1e-300))), x2 = hn::Mul(x, x), x4 = hn::Mul(x2, x2);
-      const W held = hn::Div(wide_set(1.0), hn::Sqrt(hn::Sqrt(hn::Sqrt(hn::MulAdd(x4, x4, wide_set(1.0))))));
-      const W share = hn::Mul(to_newton, hn::IfThenElse(hn::Le(given_power, bound), held, hn::Mul(x, held)));
+      const W share = hn::Mul(to_newton, gain_share(d, taken_power, given_power));
       W force[3] = {at(31), at(32), at(33)}, torque[3], total[6];
       crossed(force[0], force[1], force[2], torque);
       for (std::size_t i = 0; i < 3; ++i) {

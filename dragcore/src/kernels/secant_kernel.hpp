@@ -11,6 +11,10 @@ namespace dragcore::kernels {
 struct SecantSums {
   static constexpr std::size_t normal = 0, mixed = 6, moment = 15, rubbed = 21, rubbed_first = 22, rubbed_second = 25, given = 31,
                                given_power = 37, rows = 38;
+  /// Added to the diagonals of force and of torque, as a share of their traces: a sum of dyads is never negative along an axis, but in
+  /// float it may come out negative by its rounding. Seven last bits of 6e-8: each entry is rounded two or three times, and so is its sum.
+  /// Less than what single precision promises, so that it is not felt. test_secant_kernel.cpp tries it.
+  static constexpr double rounding = 4e-7;
   std::array<double, rows> row{};
 };
 

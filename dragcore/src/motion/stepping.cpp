@@ -70,13 +70,21 @@ Matrix6d MassProperties::matrix() const {
 Eigen::Vector3d gyroscopic_spin(const MassProperties& body, const Eigen::Vector3d& angular_velocity, double dt) {
   check_step(dt, angular_velocity.allFinite());
   const Eigen::Matrix3d inertia = body.matrix().bottomRightCorner<3, 3>();
-  // I (w' - w) = dt L x (w' + w)/2: whatever L is, a product with w' + w shows that energy stays. With L = I (w + w')/2 its size does, too.
-  Eigen::Vector3d spin = angular_velocity;
+  // With I = C C^T and y = C^T w, energy is |y|^2/2, and the midpoint rule I (w' - w) = dt L x (w' + w)/2 becomes y' - y = q x (y' + y)
+  // with q = dt/2 C^T L/det C: a rotation by 2 atan|q|. So energy stays, whatever L is and however large q; with L = I (w + w')/2 the size
+  // of L does, too. Units of inertia drop out of q: those of its trace keep det C a number.
+  const auto factored = Eigen::Matrix3d(inertia / inertia.trace()).llt();
+  const Eigen::Matrix3d C = factored.matrixL(), turn = C.transpose() * C;
+  const double rate = 0.25 * dt / C.diagonal().prod();
+  const Eigen::Vector3d y = C.transpose() * angular_velocity;
+  Eigen::Vector3d change = Eigen::Vector3d::Zero();
   for (int iteration = 0; iteration < 4; ++iteration) {
-    const Eigen::Matrix3d turn = 0.5 * dt * cross_matrix(0.5 * inertia * (angular_velocity + spin));
-    spin = (inertia - turn).partialPivLu().solve((inertia + turn) * angular_velocity);
+    const Eigen::Vector3d q = turn * (2.0 * y + change), axis = q.stableNormalized(), across = axis.cross(y);
+    const double tangent = rate * q.stableNorm();  // of half the angle; its square may be beyond all numbers
+    const double sine = 2.0 / (tangent + 1.0 / tangent), one_less_cosine = 2.0 / (1.0 + 1.0 / tangent / tangent);
+    change = sine * across + one_less_cosine * axis.cross(across);
   }
-  return spin;
+  return angular_velocity + factored.matrixU().solve(change);
 }
 
 namespace {

@@ -127,6 +127,32 @@ inline dragcore::Model model(zoo::Random& random, bool wild, bool masked) {
   return model;
 }
 
+/// Both: the core in double, and the kernels. Where the library has none, the second is the first.
+inline constexpr dragcore::Precision precisions[] = {dragcore::Precision::full, dragcore::Precision::single};
+
+inline bool known_to_kernels(const dragcore::Pillow& pillow) {
+  return pillow.form == dragcore::PillowForm::none || pillow.form == dragcore::PillowForm::tilt;
+}
+
+/// The same model in a precision; in single the nearest one that the kernels know, so that it is they who are tried: the tilt form for
+/// other pillows, and no polynomial of a wild law changes sign.
+inline dragcore::Model in(dragcore::Precision precision, dragcore::Model model) {
+  using namespace dragcore;
+  model.precision = precision;
+  if (precision == Precision::full) return model;
+  if (!known_to_kernels(model.pillow)) model.pillow = {PillowForm::tilt, model.pillow.factor};
+  if (model.law.name == "wild")
+    for (Law::Polynomial* p : {&model.law.windward, &model.law.leeward})
+      for (double& k : *p) k = std::abs(k);
+  return model;
+}
+
+/// Rounding of a result of its precision, of what its largest speed and all its area could make: given for double; and what docs/speed.md
+/// promises of single, 1e-6, for a body that is not made of slivers.
+inline double rounding(dragcore::Precision precision, double of_double) {
+  return precision == dragcore::Precision::single ? std::max(1e-6, of_double) : of_double;
+}
+
 /// Wind, travel and spin of any ratio: none of the three, one or all.
 inline dragcore::Motion motion(zoo::Random& random) {
   dragcore::Motion motion{.velocity = random.vector(10.0), .reference_point = random.vector(1.0)};
