@@ -106,6 +106,7 @@ void visit_options(Recipe& r, Visit visit) {
   visit("seed", r.seed);
   visit("hexahedra", r.hexahedra);
   visit("wake_rise", r.wake_rise);
+  visit("first_layer", r.first_layer);
 }
 
 /// Where the wind turns towards, in a mesh that stays with the body: +z by incidence, -y by yaw.
@@ -167,6 +168,16 @@ MeshRecipe octree_recipe() {
   recipe.far_size = 1.6;
   recipe.upstream = recipe.sideways = 8.0;
   recipe.downstream = 14.4;
+  return recipe;
+}
+
+MeshRecipe o_grid_recipe() {
+  MeshRecipe recipe;
+  recipe.first_layer = 0.0005;
+  recipe.growth = 0.25;
+  recipe.wake_size = 0.09;
+  recipe.wake_length = 1.7;
+  recipe.far_radius = 14.0;  // 8 before the body, 20 behind it
   return recipe;
 }
 
@@ -279,6 +290,7 @@ std::vector<std::pair<const char*, double*>> recipe_lengths(MeshRecipe& recipe) 
   });
   list.emplace_back("far_radius", &recipe.far_radius);
   list.emplace_back("wake_rise", &recipe.wake_rise);
+  list.emplace_back("first_layer", &recipe.first_layer);
   return list;
 }
 

@@ -51,6 +51,7 @@ struct MeshRecipe {
   double seed = 0.0;        ///< of the mesh generator: another mesh of the same sizes
   double hexahedra = 0.0;   ///< 1: an octree of cubes in the body frame instead of polyhedra; bodies with flat sides only
   double wake_rise = 0.0;   ///< of the wake box to the lee side, where mesh and body stay and the wind turns; 0: wake_margin
+  double first_layer = 0.0; ///< thickness of the first layer of an O-grid (o_grid.hpp), which takes the place of polyhedra; 0: no such grid
 };
 
 /// The largest relative error of area and volume that a correct mesh may have: rounding for flat sides, faceting for round ones.
@@ -59,6 +60,10 @@ double allowed_surface_error(const dragcore::Shape& shape, const MeshRecipe& rec
 /// The recipe of an octree of cubes around a body with flat sides, for scale-resolving runs: the size on the body fits a plate of
 /// thickness 0.05. Levels differ by 2; a cube is content with "coarse", which does not fit such a plate.
 MeshRecipe octree_recipe();
+
+/// The recipe of an O-grid around a smooth body at Re 1e5: the first cell's centre is at y+ of about 1, a laminar layer at 60 degrees from
+/// the front of a ball has some eight cells.
+MeshRecipe o_grid_recipe();
 
 /// Cell size factor of a level: consecutive levels differ by 1.4, which gives 2.2-2.7 times the cells (of an octree by 2). "medium" is 1.
 /// @throws std::invalid_argument on an unknown level, listing the known ones
