@@ -159,7 +159,8 @@ bool ended_by_itself(const CaseRecord& record) {
 
 void fit_cells(CostModel& model, const std::vector<Sample>& all) {
   std::vector<Sample> samples;  // of cubes the number is counted, not fitted
-  std::copy_if(all.begin(), all.end(), std::back_inserter(samples), [](const Sample& sample) { return !sample.known.spec.octree() && !sample.known.spec.o_grid(); });
+  std::copy_if(all.begin(), all.end(), std::back_inserter(samples),
+               [](const Sample& sample) { return !sample.known.spec.octree() && !sample.known.spec.o_grid(); });
   // Of the relative error: c = a V + b S divided by c.
   Eigen::MatrixXd A(static_cast<Eigen::Index>(samples.size()), 2);
   for (Eigen::Index i = 0; i < A.rows(); ++i) {

@@ -48,7 +48,8 @@ struct Mesh {
 };
 
 /// Takes the mesh from the cache, or makes it in `work` and puts it there: cfd_mesh, gmshToFoam, polyDualMesh, renumberMesh, checkMesh;
-/// snappyHexMesh for a body given by triangles; an O-grid by o_grid(). Of two callers who need the same mesh the second waits for the first.
+/// snappyHexMesh for a body given by triangles; an O-grid by o_grid(). Of two callers who need the same mesh the second waits for the
+/// first.
 /// @param on_stage  told "mesh" and "convert" when they begin
 /// @throws CaseFailure when a tool fails, checkMesh refuses all sizes, cubes do not fit the body, or area and volume of the wall are not
 /// those of the shape

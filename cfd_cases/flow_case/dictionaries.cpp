@@ -168,7 +168,8 @@ std::map<std::string, std::string> dictionaries(const CaseSpec& spec, Symmetry s
   const double nu = kinematic_viscosity(spec);
   const Numerics numerics = numerics_on(rung, spec.numerics);
   const Flow flow = flow_of(spec);
-  const bool laminar = spec.flow_model == "laminar", transition = spec.flow_model == "k_omega_sst_lm", spins = !spec.spin.axis.empty(), still = spec.spin.in_still_air();
+  const bool laminar = spec.flow_model == "laminar", transition = spec.flow_model == "k_omega_sst_lm", spins = !spec.spin.axis.empty(),
+             still = spec.spin.in_still_air();
   const bool boxed = spec.recipe.far_radius == 0.0 && !spec.octree();
   std::map<std::string, std::string> files;
   if (spec.time_accurate()) {
@@ -247,8 +248,8 @@ std::map<std::string, std::string> dictionaries(const CaseSpec& spec, Symmetry s
     // Langtry and Menter (2009): intermittency 1 in the wind, and their correlation of the momentum thickness Reynolds number at transition
     // with the turbulence intensity in %, without pressure gradient.
     const double percent = 100.0 * numerics.turbulence_intensity;
-    const double re_theta = percent <= 1.3 ? 1173.51 - 589.428 * percent + 0.2196 / (percent * percent)
-                                           : 331.5 * std::pow(percent - 0.5658, -0.671);
+    const double re_theta =
+        percent <= 1.3 ? 1173.51 - 589.428 * percent + 0.2196 / (percent * percent) : 331.5 * std::pow(percent - 0.5658, -0.671);
     carried("gammaInt", "[0 0 0 0 0 0 0]", 1.0, "zeroGradient", 1.0);
     carried("ReThetat", "[0 0 0 0 0 0 0]", re_theta, "zeroGradient", re_theta);
   }

@@ -204,15 +204,14 @@ void read_special(Table& table, const fs::path& file, Sweep& sweep) {
   if (spins && mesher == "octree") table.fail("a spinning body needs a round mesh: mesher = \"polyhedra\"");
   if (mesher == "o_grid" && (spins || spec.turn_wind || air == "round"))
     table.fail("an O-grid is round, stands in the wind, and is for bodies at rest: leave out air, turn_wind and spin");
-  if (transition && mesher != "o_grid")
-    table.fail("k_omega_sst_lm needs layers at the wall that only mesher = \"o_grid\" has");
+  if (transition && mesher != "o_grid") table.fail("k_omega_sst_lm needs layers at the wall that only mesher = \"o_grid\" has");
   // A box of air has an inlet, which must face the wind; a ball may turn.
   if (air == "round" || spins || (spec.turn_wind && mesher != "octree")) spec.recipe.far_radius = 8.0;
   const MeshRecipe usual = spec.recipe;
   if (const auto* recipe = table.subtable("recipe")) read_recipe(Table(*recipe, file), spec.recipe);
   // The usual case of that name would otherwise be replaced in the files of results.
-  const bool unusual = to_json(spec.recipe) != to_json(usual) || spec.numerics != numerics_of(spec.flow_model) || spec.turn_wind || !spec.half_model ||
-                       air == "round" || seed != 0 || spec.stop.min_iterations != StopPolicy{}.min_iterations;
+  const bool unusual = to_json(spec.recipe) != to_json(usual) || spec.numerics != numerics_of(spec.flow_model) || spec.turn_wind ||
+                       !spec.half_model || air == "round" || seed != 0 || spec.stop.min_iterations != StopPolicy{}.min_iterations;
   if (unusual && spec.variant.empty())
     table.fail(
         "numerics, recipe, air, turn_wind, half_model, mesh_seed and min_iterations need variant = \"word\", which tells the cases from "
@@ -226,7 +225,7 @@ void read_special(Table& table, const fs::path& file, Sweep& sweep) {
       MeshRecipe recipe = spec.recipe;
       recipe.refinement = refinement_of(level, spec.octree());
       if (spec.octree()) OctreeSizes(spec.shape, recipe, Symmetry::none);  // does it fit?
-    if (spec.o_grid()) o_grid_cells(spec.shape, recipe, Symmetry::none);
+      if (spec.o_grid()) o_grid_cells(spec.shape, recipe, Symmetry::none);
     } catch (const std::invalid_argument& error) {
       table.fail(error.what());
     }
@@ -300,11 +299,7 @@ std::string reynolds_text(double reynolds) {
 
 Numerics numerics_of(const std::string& flow_model) {
   if (flow_model != "k_omega_sst_lm") return {};
-  return {.relaxation_velocity = 0.8,
-          .relaxation_pressure = 0.7,
-          .turbulence_intensity = 0.001,
-          .viscosity_ratio = 1.0,
-          .wall = "low_re"};
+  return {.relaxation_velocity = 0.8, .relaxation_pressure = 0.7, .turbulence_intensity = 0.001, .viscosity_ratio = 1.0, .wall = "low_re"};
 }
 
 StopPolicy stop_policy_of(const std::string& flow_model) {

@@ -51,7 +51,8 @@ struct MeshRecipe {
   double seed = 0.0;        ///< of the mesh generator: another mesh of the same sizes
   double hexahedra = 0.0;   ///< 1: an octree of cubes in the body frame instead of polyhedra; bodies with flat sides only
   double wake_rise = 0.0;   ///< of the wake box to the lee side, where mesh and body stay and the wind turns; 0: wake_margin
-  double first_layer = 0.0; ///< thickness of the first layer of an O-grid (o_grid.hpp), which takes the place of polyhedra; 0: no such grid
+  double first_layer =
+      0.0;  ///< thickness of the first layer of an O-grid (o_grid.hpp), which takes the place of polyhedra; 0: no such grid
 };
 
 /// The largest relative error of area and volume that a correct mesh may have: rounding for flat sides, faceting for round ones.

@@ -81,15 +81,15 @@ Vector3d direction_of(const Vector3d& cube) { return (0.25 * kPi * cube).array()
 
 int even(double cells) { return std::max(4, 2 * static_cast<int>(std::lround(0.5 * cells))); }
 
-/// Cells along and across the cube. Across: a quarter of the girth. Along: so that the cells of a long body are longer than wide by
-/// the square root of what the body is, since flow changes less along it.
+/// Cells along and across the cube. Across: a quarter of the largest girth. Along: so that the cells of a long body are longer than wide
+/// by the square root of what the body is, since flow changes less along it.
 std::pair<int, int> divisions(const dragcore::Shape& shape, const MeshRecipe& recipe) {
   const double size = recipe.body_size * recipe.refinement * body_scale(shape);
   const auto place = [&](double x, double y) { return on_wall(shape, Vector3d(x, y, 0.0), direction_of(Vector3d(x, y, 0.0))).place; };
   double along = 0.0;
   constexpr int pieces = 100;
   for (int i = 0; i < pieces; ++i) along += (place(-1.0 + 2.0 * (i + 1) / pieces, 1.0) - place(-1.0 + 2.0 * i / pieces, 1.0)).norm();
-  const double across = 0.5 * kPi * place(0.0, 1.0).y();
+  const double across = 0.25 * kPi * body_scale(shape);
   return {even(std::sqrt(along * across) / size), even(across / size)};
 }
 
@@ -205,7 +205,8 @@ PolyMesh o_grid(const dragcore::Shape& shape, const dragcore::Pose& pose, const 
     body.push_back({square, -1, lid(square, 0)});
     std::reverse(body.back().points.begin(), body.back().points.end());
     farfield.push_back({(depth - 1) * squares + square, -1, lid(square, depth)});
-    for (int layer = 1; layer < depth; ++layer) inner.push_back({(layer - 1) * squares + square, layer * squares + square, lid(square, layer)});
+    for (int layer = 1; layer < depth; ++layer)
+      inner.push_back({(layer - 1) * squares + square, layer * squares + square, lid(square, layer)});
   }
   for (int layer = 0; layer < depth; ++layer)
     for (const auto& [ends, edge] : edges) {

@@ -10,8 +10,8 @@
 namespace cfd_cases {
 
 /// An O-grid: layers of hexahedra around a smooth convex body, thin enough at the wall for a boundary layer without wall functions. The
-/// wall is a cubed sphere drawn onto the body: the six sides of a cube, of which the two along the axis become the ends of a cylinder. From a
-/// point W of the wall with the outward normal n goes one line of points at the distances s of the layers,
+/// wall is a cubed sphere drawn onto the body: the six sides of a cube, of which the two along the axis become the ends of a cylinder. From
+/// a point W of the wall with the outward normal n goes one line of points at the distances s of the layers,
 ///
 ///   P(s) = W + s (m(s) + kappa(s) x),   m = unit vector of (1 - b) n + b d,   b = s^2 / (s^2 + a^2)
 ///

@@ -116,8 +116,9 @@ CaseOfRecord chosen_from(std::vector<CaseFamily> families) {
 }  // namespace
 
 std::string flow_class(const std::string& flow_model) {
-  const std::string scale_resolving = "_ddes";
-  return flow_model.ends_with(scale_resolving) ? flow_model.substr(0, flow_model.size() - scale_resolving.size()) : flow_model;
+  for (const std::string kind : {"_ddes", "_lm"})
+    if (flow_model.ends_with(kind)) return flow_model.substr(0, flow_model.size() - kind.size());
+  return flow_model;
 }
 
 std::vector<CaseOfRecord> cases_of_record(const std::vector<CaseRecord>& records) {

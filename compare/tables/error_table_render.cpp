@@ -48,7 +48,8 @@ TextGrid rows_grid(const std::vector<const ErrorRow*>& rows) {
   for (const ErrorRow* row : rows) {
     const std::string where = row->status == "missing"
                                   ? row->case_name
-                                  : orientation(*row) + (row->flow_model != flow_class(row->flow_model) ? ", scale-resolving" : "") +
+                                  : orientation(*row) + (row->flow_model.ends_with("_ddes") ? ", scale-resolving" : "") +
+                                        (row->flow_model.ends_with("_lm") ? ", transition" : "") +
                                         (row->held_out && !all_held_out ? ", held out" : "");
     const bool usable = row->cfd || row->status == "steady" || row->status == "statistically_steady";
     const fmt::text_style style = !usable                             ? fg(fmt::terminal_color::red)
