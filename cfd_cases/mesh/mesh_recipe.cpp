@@ -118,6 +118,8 @@ std::string to_string(Symmetry symmetry) {
   return symmetry == Symmetry::none ? "none" : symmetry == Symmetry::plane_y ? "plane_y" : "plane_z";
 }
 
+int halved_axis(Symmetry symmetry) { return symmetry == Symmetry::plane_y ? 1 : symmetry == Symmetry::plane_z ? 2 : -1; }
+
 Symmetry symmetry_from(const std::string& word) {
   for (const Symmetry symmetry : {Symmetry::none, Symmetry::plane_y, Symmetry::plane_z})
     if (word == to_string(symmetry)) return symmetry;

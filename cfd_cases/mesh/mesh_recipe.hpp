@@ -14,6 +14,7 @@ namespace cfd_cases {
 /// symmetric.
 enum class Symmetry { none, plane_y, plane_z };
 std::string to_string(Symmetry symmetry);
+int halved_axis(Symmetry symmetry);               ///< the axis square to the plane, -1 where there is none
 Symmetry symmetry_from(const std::string& word);  ///< @throws std::invalid_argument on an unknown word
 
 /// The symmetry plane that body, pose and spin allow: y = 0 first (poses in incidence), then z = 0 (poses in yaw). A body that spins has

@@ -93,9 +93,6 @@ std::pair<int, int> divisions(const dragcore::Shape& shape, const MeshRecipe& re
   return {even(std::sqrt(along * across) / size), even(across / size)};
 }
 
-/// The axis across the symmetry plane of a half model, or -1.
-int halved_axis(Symmetry symmetry) { return symmetry == Symmetry::plane_y ? 1 : symmetry == Symmetry::plane_z ? 2 : -1; }
-
 /// The cube's surface of unit squares, or the half of it beyond the middle of an axis: lattice points, and squares seen from outside
 /// counter-clockwise.
 struct CubeSurface {

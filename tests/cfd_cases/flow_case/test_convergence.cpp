@@ -150,12 +150,12 @@ TEST_CASE("a body that spins in still air is judged by its moment", "[cfd_cases]
 }
 
 TEST_CASE("a wake that swings too far for a mean within 1 % is accepted where the policy asks for less", "[cfd_cases][convergence]") {
-  // Ten swings of 10 % in 500 iterations, as by a transition model; half of that noise is random, with a fixed seed.
-  std::mt19937 random(1);
-  std::normal_distribution<double> noise(0.0, 0.06);
+  // 7 % of noise that is remembered for some six iterations, as by a transition model; the seed is fixed.
+  std::mt19937 random(2);
+  std::normal_distribution<double> noise(0.0, 0.07);
   double memory = 0.0;
   std::vector<double> drag;
-  for (int i = 0; i < 500; ++i) drag.push_back(0.4 * (1.0 + (memory = 0.9 * memory + noise(random) * std::sqrt(1.0 - 0.81))));
+  for (int i = 0; i < 500; ++i) drag.push_back(0.4 * (1.0 + (memory = 0.85 * memory + noise(random) * std::sqrt(1.0 - 0.85 * 0.85))));
   const auto swinging = series(500, [&](int i) { return drag[static_cast<std::size_t>(i)]; });
   CHECK(judge(swinging, kPolicy, kPlausible, true).status == Status::drifting);
   StopPolicy patient;
