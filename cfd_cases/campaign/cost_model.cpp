@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "cfd_cases/mesh/cell_count.hpp"
+#include "cfd_cases/mesh/o_grid.hpp"
 #include "cfd_cases/mesh/snappy.hpp"
 
 namespace cfd_cases {
@@ -158,7 +159,8 @@ bool ended_by_itself(const CaseRecord& record) {
 
 void fit_cells(CostModel& model, const std::vector<Sample>& all) {
   std::vector<Sample> samples;  // of cubes the number is counted, not fitted
-  std::copy_if(all.begin(), all.end(), std::back_inserter(samples), [](const Sample& sample) { return !sample.known.spec.octree(); });
+  std::copy_if(all.begin(), all.end(), std::back_inserter(samples),
+               [](const Sample& sample) { return !sample.known.spec.octree() && !sample.known.spec.o_grid(); });
   // Of the relative error: c = a V + b S divided by c.
   Eigen::MatrixXd A(static_cast<Eigen::Index>(samples.size()), 2);
   for (Eigen::Index i = 0; i < A.rows(); ++i) {
@@ -225,6 +227,8 @@ CostEstimate CostModel::estimate(const CaseSpec& spec, const CaseIdentity& ident
     estimate.cells = snappy_cells(*body, spec.mesh_pose().radians(), identity.recipe, identity.symmetry);
   } else if (spec.octree()) {
     estimate.cells = octree_cells(spec.shape, identity.recipe, identity.symmetry);
+  } else if (spec.o_grid()) {
+    estimate.cells = o_grid_cells(spec.shape, identity.recipe, identity.symmetry);
   } else {
     const SizeIntegrals sum = integrate_size(spec.shape, spec.mesh_pose().radians(), identity.recipe, identity.symmetry);
     estimate.cells = per_volume * sum.volume + per_surface * sum.surface;

@@ -75,6 +75,7 @@ CaseIdentity identify(const CaseSpec& spec, const Tools& tools) {
   if (!spec.spin.axis.empty()) description["spin"] = {{"axis", spec.spin.axis}, {"ratio", spec.spin.ratio}};
   if (spec.time_accurate())
     description["time"] = {{"step", spec.time.step}, {"duration", spec.time.duration}, {"discard", spec.time.discard}};
+  if (s.mean_error != StopPolicy{}.mean_error) description["stop"]["mean_error"] = s.mean_error;
   if (spec.mesh_in_body_frame()) description["mesh_frame"] = "body";
   if (spec.start) description["start"] = id.start_key = identify(*spec.start, tools).key;
   id.description = description.dump();
@@ -99,7 +100,8 @@ std::optional<DescribedCase> described_case(const std::string& description) {
                  .window = stop.at("window"),
                  .average = stop.at("average"),
                  .tolerance = stop.at("tolerance"),
-                 .floor = stop.at("floor")};
+                 .floor = stop.at("floor"),
+                 .mean_error = stop.value("mean_error", StopPolicy{}.mean_error)};
     spec.retries = text.at("retries");
     CaseIdentity& id = found.identity;
     id.symmetry = symmetry_from(mesh.at("symmetry"));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -12,6 +13,7 @@
 #include <thread>
 
 #include "cfd_cases/flow_case/dictionaries.hpp"
+#include "cfd_cases/mesh/o_grid.hpp"
 #include "cfd_cases/mesh/poly_mesh.hpp"
 #include "cfd_cases/mesh/snappy.hpp"
 #include "cfd_cases/programs/subprocess.hpp"
@@ -143,6 +145,26 @@ std::string make_snappy_mesh(const dragcore::MeshBody& body, const CaseSpec& spe
   throw CaseFailure(error.what());
 }
 
+/// An O-grid, in a folder that has its dictionaries. Returns what is wrong with it, empty when it is fine.
+std::string make_o_grid(const CaseSpec& spec, const MeshRecipe& recipe, Symmetry symmetry, Stages stages, Mesh& mesh,
+                        const std::function<void(const char*)>& on_stage) try {
+  on_stage("mesh");
+  const double cpu = thread_cpu_s();
+  const auto began = std::chrono::steady_clock::now();
+  const PolyMesh made = o_grid(spec.shape, spec.mesh_pose().radians(), recipe, symmetry);
+  const fs::path poly_mesh = stages.folder / "constant/polyMesh";
+  write_poly_mesh(poly_mesh, made);
+  name_patch_types(poly_mesh / "boundary");
+  measure(made, symmetry, mesh);
+  stages.cost["mesh"].cpu_s += thread_cpu_s() - cpu;
+  stages.cost["mesh"].wall_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  on_stage("convert");
+  stages.run("convert", {"renumberMesh", "-overwrite"});
+  return check_mesh(stages, mesh);
+} catch (const std::invalid_argument& error) {
+  throw CaseFailure(error.what());
+}
+
 /// One try at the mesh in an empty folder. Returns what checkMesh found wrong, empty when it is fine.
 std::string make_mesh(const CaseSpec& spec, const CaseIdentity& identity, double size_factor, Stages stages, Mesh& mesh,
                       const std::function<void(const char*)>& on_stage) {
@@ -159,6 +181,11 @@ std::string make_mesh(const CaseSpec& spec, const CaseIdentity& identity, double
   std::erase_if(files, [](const auto& file) { return file.first.starts_with("0/"); });
   files["request.json"] = request.dump(1) + "\n";
   write_files(folder, files);
+  if (spec.o_grid()) {
+    MeshRecipe recipe = identity.recipe;
+    recipe.refinement *= size_factor;
+    return make_o_grid(spec, recipe, identity.symmetry, stages, mesh, on_stage);
+  }
 
   on_stage("mesh");
   stages.run("mesh", {stages.tools.cfd_mesh.string(), "request.json", "body.msh"});
@@ -219,6 +246,12 @@ Mesh stored_mesh(const fs::path& folder) {
 }
 
 }  // namespace
+
+double thread_cpu_s() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 
 void Cache::make_folders() const {
   for (const char* folder : {"runs", "mesh", "work", "lock", "fields"}) fs::create_directories(root / folder);

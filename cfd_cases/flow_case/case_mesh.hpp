@@ -47,9 +47,9 @@ struct Mesh {
   std::vector<case_record::Attempt> attempts;          ///< sizes that checkMesh refused
 };
 
-/// Takes the mesh from the cache, or makes it in `work` and puts it there: cfd_mesh, gmshToFoam, polyDualMesh, renumberMesh, checkMesh, or
-/// snappyHexMesh for a body given by triangles. Of
-/// two callers who need the same mesh the second waits for the first.
+/// Takes the mesh from the cache, or makes it in `work` and puts it there: cfd_mesh, gmshToFoam, polyDualMesh, renumberMesh, checkMesh;
+/// snappyHexMesh for a body given by triangles; an O-grid by o_grid(). Of two callers who need the same mesh the second waits for the
+/// first.
 /// @param on_stage  told "mesh" and "convert" when they begin
 /// @throws CaseFailure when a tool fails, checkMesh refuses all sizes, cubes do not fit the body, or area and volume of the wall are not
 /// those of the shape
@@ -59,6 +59,9 @@ Mesh ensure_mesh(const CaseSpec& spec, const CaseIdentity& identity, const Tools
 
 /// Writes files by their path in `folder`, making folders as needed.
 void write_files(const std::filesystem::path& folder, const std::map<std::string, std::string>& files);
+
+/// CPU time of this thread so far [s], for what is computed here and not by a program.
+double thread_cpu_s();
 
 /// A file as text; empty when it cannot be read.
 std::string contents(const std::filesystem::path& file);

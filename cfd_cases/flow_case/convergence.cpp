@@ -98,7 +98,7 @@ Verdict judge(const std::vector<Channels>& series, const StopPolicy& policy, dou
       stationary = stationary && (counts[c] == 0.0 || difference[c] <= 2.0 * of_halves + allowed);
     }
     // 1 % of C_D is what the medium mesh itself is good for: averaging longer would buy nothing.
-    if (stationary && error.cwiseProduct(counts).maxCoeff() <= 0.01 * scale) {
+    if (stationary && error.cwiseProduct(counts).maxCoeff() <= policy.mean_error * scale) {
       verdict.status = Status::statistically_steady;
       verdict.stop = n >= 5 * policy.window;
       verdict.averaged_over = static_cast<int>(2 * half);

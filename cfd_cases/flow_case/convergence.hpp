@@ -32,7 +32,7 @@ struct Verdict {
 /// largest value
 ///   and by the slope of its trend. The mean of the last `average` is the result; u_iteration is half the spread over the window.
 /// * statistically_steady, tried from 3 windows on: over the later half of the run the means of its halves differ by less than twice the
-///   standard error of that difference plus the tolerance, and the standard error of the mean is below 1 % of max(|C_D|, floor).
+///   standard error of that difference plus the tolerance, and the standard error of the mean is below `mean_error` of max(|C_D|, floor).
 ///   u_statistical is that standard error, u_iteration half the difference of the halves. For a run to end on it, it takes 5 windows.
 /// * diverged: a channel is not finite, or beyond `plausible` (after `window` iterations also beyond 100 times that: stop at once), or
 ///   C_D <= 0 when the run is judged at its end.

@@ -36,7 +36,7 @@ functions
                                                            iterations, kDensity, solver, iterations * step, step);
 }
 
-std::string steady_schemes(const Numerics& n) {
+std::string steady_schemes(const Numerics& n, bool transition) {
   // The limited gradient is kept for sensitivity studies only: it gets stuck or oscillates on bluff bodies.
   const std::string gradient = n.gradient == "unlimited" ? "Gauss linear" : "cellLimited Gauss linear 1";
   const std::string convection = n.convection == "linear_upwind" ? "linearUpwind grad(U)"
@@ -51,14 +51,17 @@ divSchemes
   div(phi,U) bounded Gauss {1};
   div(phi,k) bounded Gauss limitedLinear 1;
   div(phi,omega) bounded Gauss limitedLinear 1;
-  div((nuEff*dev2(T(grad(U))))) Gauss linear;
+{2}  div((nuEff*dev2(T(grad(U))))) Gauss linear;
 }}
 laplacianSchemes {{ default Gauss linear corrected; }}
 interpolationSchemes {{ default linear; }}
 snGradSchemes {{ default corrected; }}
 wallDist {{ method meshWave; }}
 )foam",
-                                                         gradient, convection);
+                                                         gradient, convection,
+                                                         transition ? "  div(phi,gammaInt) bounded Gauss limitedLinear 1;\n"
+                                                                      "  div(phi,ReThetat) bounded Gauss limitedLinear 1;\n"
+                                                                    : "");
 }
 
 /// Second order in time. LUST is central by three quarters: upwind schemes damp the eddies that DDES is there to resolve.
@@ -94,22 +97,23 @@ PIMPLE { nOuterCorrectors 1; nCorrectors 2; nNonOrthogonalCorrectors 0; correctP
 )foam";
 }
 
-std::string steady_solution(const Numerics& n, bool closed) {
+std::string steady_solution(const Numerics& n, bool closed, bool transition) {
   return header("dictionary", "fvSolution") + fmt::format(R"foam(
 solvers
 {{
   p {{ solver GAMG; smoother GaussSeidel; tolerance 1e-8; relTol 0.05; }}
-  "(U|k|omega)" {{ solver PBiCGStab; preconditioner DILU; tolerance 1e-9; relTol 0.1; }}
+  "(U|k|omega{4})" {{ solver PBiCGStab; preconditioner DILU; tolerance 1e-9; relTol 0.1; }}
 }}
 SIMPLE {{ consistent yes; nNonOrthogonalCorrectors 0;{3} }}
 relaxationFactors
 {{
   fields {{ p {0}; }}
-  equations {{ U {1}; "(k|omega)" {2}; }}
+  equations {{ U {1}; "(k|omega{4})" {2}; }}
 }}
 )foam",
                                                           n.relaxation_pressure, n.relaxation_velocity, n.relaxation_turbulence,
-                                                          closed ? " pRefCell 0; pRefValue 0;" : "");
+                                                          closed ? " pRefCell 0; pRefValue 0;" : "",
+                                                          transition ? "|gammaInt|ReThetat" : "");
 }
 
 /// What a field is at the edges of the air: at inlet and outlet of a box (its sides slip), or all around a ball or an octree.
@@ -164,7 +168,8 @@ std::map<std::string, std::string> dictionaries(const CaseSpec& spec, Symmetry s
   const double nu = kinematic_viscosity(spec);
   const Numerics numerics = numerics_on(rung, spec.numerics);
   const Flow flow = flow_of(spec);
-  const bool laminar = spec.laminar(), spins = !spec.spin.axis.empty(), still = spec.spin.in_still_air();
+  const bool laminar = spec.laminar(), transition = spec.flow_model == "k_omega_sst_lm", spins = !spec.spin.axis.empty(),
+             still = spec.spin.in_still_air();
   const bool boxed = spec.recipe.far_radius == 0.0 && !spec.octree();
   std::map<std::string, std::string> files;
   if (spec.time_accurate()) {
@@ -175,8 +180,8 @@ std::map<std::string, std::string> dictionaries(const CaseSpec& spec, Symmetry s
     files["system/fvSolution"] = unsteady_solution();
   } else {
     files["system/controlDict"] = control("simpleFoam", spec.stop.max_iterations * (rung == Rung::cautious ? 2 : 1), 1.0);
-    files["system/fvSchemes"] = steady_schemes(numerics);
-    files["system/fvSolution"] = steady_solution(numerics, still);
+    files["system/fvSchemes"] = steady_schemes(numerics, transition);
+    files["system/fvSolution"] = steady_solution(numerics, still, transition);
   }
   files["constant/transportProperties"] =
       header("dictionary", "transportProperties") + fmt::format("transportModel Newtonian;\nnu {};\n", nu);
@@ -184,6 +189,7 @@ std::map<std::string, std::string> dictionaries(const CaseSpec& spec, Symmetry s
       header("dictionary", "turbulenceProperties") +
       (laminar                            ? "simulationType laminar;\n"
        : spec.flow_model == "k_omega_sst" ? "simulationType RAS;\nRAS { RASModel kOmegaSST; turbulence on; printCoeffs off; }\n"
+       : transition                       ? "simulationType RAS;\nRAS { RASModel kOmegaSSTLM; turbulence on; printCoeffs off; }\n"
                                           : "simulationType LES;\nLES { LESModel kOmegaSSTDDES; turbulence on; printCoeffs off; delta "
                                             "maxDeltaxyz; maxDeltaxyzCoeffs { deltaCoeff 2; } }\n");
   if (still) {
@@ -209,8 +215,10 @@ std::map<std::string, std::string> dictionaries(const CaseSpec& spec, Symmetry s
 
   const std::string wind = words(flow.wind);
   // inletOutlet: eddies that reach the outlet may draw air back in, at rest.
+  // A transitional wake that starts symmetric stays so for hundreds of iterations: the first guess is askew, in the plane of symmetry.
+  const Eigen::Vector3d askew = 0.1 * kSpeed * (symmetry == Symmetry::plane_z ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ());
   files["0/U"] =
-      field("U", "volVectorField", "[0 1 -1 0 0 0 0]", wind,
+      field("U", "volVectorField", "[0 1 -1 0 0 0 0]", transition ? words(flow.wind + askew) : wind,
             {"type fixedValue; value uniform " + wind + ";", "type inletOutlet; inletValue uniform (0 0 0); value uniform " + wind + ";",
              still ? "type fixedValue; value uniform (0 0 0);" : "type freestreamVelocity; freestreamValue uniform " + wind + ";"},
             boxed,
@@ -226,15 +234,25 @@ std::map<std::string, std::string> dictionaries(const CaseSpec& spec, Symmetry s
 
   const double k = 1.5 * numerics.turbulence_intensity * numerics.turbulence_intensity * kSpeed * kSpeed;
   const double nut = numerics.viscosity_ratio * nu, omega = k / nut;
-  const auto carried = [&](const char* name, const char* dimensions, double value, const char* wall) {
+  const auto carried = [&](const char* name, const char* dimensions, double value, const char* wall, double on_wall) {
     const std::string in_or_out = fmt::format("type inletOutlet; inletValue uniform {0}; value uniform {0};", value);
     files[std::string("0/") + name] = field(name, "volScalarField", dimensions, fmt::format("{}", value),
                                             {fmt::format("type fixedValue; value uniform {};", value), in_or_out,
                                              still ? fmt::format("type fixedValue; value uniform {};", value) : in_or_out},
-                                            boxed, fmt::format("type {}; value uniform {};", wall, value), symmetry);
+                                            boxed, fmt::format("type {}; value uniform {};", wall, on_wall), symmetry);
   };
-  carried("k", "[0 2 -2 0 0 0 0]", k, "kqRWallFunction");
-  carried("omega", "[0 0 -1 0 0 0 0]", omega, "omegaWallFunction");
+  // Where a transition model resolves the wall, turbulence grows from nothing; 0 would be divided by.
+  carried("k", "[0 2 -2 0 0 0 0]", k, transition ? "fixedValue" : "kqRWallFunction", transition ? 1e-12 : k);
+  carried("omega", "[0 0 -1 0 0 0 0]", omega, "omegaWallFunction", omega);
+  if (transition) {
+    // Langtry and Menter (2009): intermittency 1 in the wind, and their correlation of the momentum thickness Reynolds number at transition
+    // with the turbulence intensity in %, without pressure gradient.
+    const double percent = 100.0 * numerics.turbulence_intensity;
+    const double re_theta =
+        percent <= 1.3 ? 1173.51 - 589.428 * percent + 0.2196 / (percent * percent) : 331.5 * std::pow(percent - 0.5658, -0.671);
+    carried("gammaInt", "[0 0 0 0 0 0 0]", 1.0, "zeroGradient", 1.0);
+    carried("ReThetat", "[0 0 0 0 0 0 0]", re_theta, "zeroGradient", re_theta);
+  }
   const std::map<std::string, std::string> walls{
       {"spalding", "nutUSpaldingWallFunction"}, {"log_law", "nutkWallFunction"}, {"low_re", "nutLowReWallFunction"}};
   files["0/nut"] = field("nut", "volScalarField", "[0 2 -1 0 0 0 0]", fmt::format("{}", nut),

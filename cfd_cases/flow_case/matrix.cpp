@@ -14,6 +14,7 @@
 #include <sstream>
 
 #include "cfd_cases/mesh/mesh_recipe.hpp"
+#include "cfd_cases/mesh/o_grid.hpp"
 
 namespace cfd_cases {
 
@@ -161,7 +162,11 @@ void read_common(Table& table, const fs::path& file, Sweep& sweep) {
   table.numbers("yaw_deg", sweep.yaw, -180.0, 180.0);
   table.numbers("roll_deg", sweep.roll, -180.0, 180.0);
   table.numbers("reynolds", sweep.reynolds, 0.1, 1e9);
-  table.word("flow_model", sweep.common.flow_model, {"laminar", "laminar_unsteady", "k_omega_sst", "k_omega_sst_ddes"});
+  CaseSpec& spec = sweep.common;
+  const Numerics usual = numerics_of(spec.flow_model);
+  table.word("flow_model", spec.flow_model, {"laminar", "laminar_unsteady", "k_omega_sst", "k_omega_sst_lm", "k_omega_sst_ddes"});
+  if (spec.numerics == usual) spec.numerics = numerics_of(spec.flow_model);
+  spec.stop.mean_error = stop_policy_of(spec.flow_model).mean_error;
   table.words("mesh", sweep.levels, {"coarse", "medium", "fine", "finest"});
   table.flag("held_out", sweep.common.held_out);
   table.integer("retries", sweep.common.retries, 0, 1);
@@ -177,8 +182,9 @@ void read_common(Table& table, const fs::path& file, Sweep& sweep) {
 /// Mesh and motion, which belong to one sweep.
 void read_special(Table& table, const fs::path& file, Sweep& sweep) {
   CaseSpec& spec = sweep.common;
-  std::string mesher = "polyhedra", air = "box";
-  table.word("mesher", mesher, {"polyhedra", "octree"});
+  const bool transition = spec.flow_model == "k_omega_sst_lm";
+  std::string mesher = transition ? "o_grid" : "polyhedra", air = "box";
+  table.word("mesher", mesher, {"polyhedra", "octree", "o_grid"});
   table.word("air", air, {"box", "round"});
   table.flag("turn_wind", spec.turn_wind);
   table.flag("half_model", spec.half_model);
@@ -187,6 +193,7 @@ void read_special(Table& table, const fs::path& file, Sweep& sweep) {
   table.flag("chain", sweep.chain);
   table.word("start", sweep.start);
   if (mesher == "octree") spec.recipe = octree_recipe();
+  if (mesher == "o_grid") spec.recipe = o_grid_recipe();
   int seed = 0;
   table.integer("mesh_seed", seed, 0, 1000000);
   spec.recipe.seed = seed;
@@ -195,13 +202,16 @@ void read_special(Table& table, const fs::path& file, Sweep& sweep) {
     table.fail(fmt::format("spin = \"{}\" is no axis: use \"x\", \"z\", \"xy\", \"xyz\", ...", spec.spin.axis));
   if (!spins && spec.spin.ratio > 0.0) table.fail("spin_ratio needs spin = \"x\", \"z\", \"xyz\", ...");
   if (spins && mesher == "octree") table.fail("a spinning body needs a round mesh: mesher = \"polyhedra\"");
+  if (mesher == "o_grid" && (spins || spec.turn_wind || air == "round"))
+    table.fail("an O-grid is round, stands in the wind, and is for bodies at rest: leave out air, turn_wind and spin");
+  if (transition && mesher != "o_grid") table.fail("k_omega_sst_lm needs layers at the wall that only mesher = \"o_grid\" has");
   // A box of air has an inlet, which must face the wind; a ball may turn.
   if (air == "round" || spins || (spec.turn_wind && mesher != "octree")) spec.recipe.far_radius = 8.0;
   const MeshRecipe usual = spec.recipe;
   if (const auto* recipe = table.subtable("recipe")) read_recipe(Table(*recipe, file), spec.recipe);
   // The usual case of that name would otherwise be replaced in the files of results.
-  const bool unusual = to_json(spec.recipe) != to_json(usual) || spec.numerics != Numerics{} || spec.turn_wind || !spec.half_model ||
-                       air == "round" || seed != 0 || spec.stop.min_iterations != StopPolicy{}.min_iterations;
+  const bool unusual = to_json(spec.recipe) != to_json(usual) || spec.numerics != numerics_of(spec.flow_model) || spec.turn_wind ||
+                       !spec.half_model || air == "round" || seed != 0 || spec.stop.min_iterations != StopPolicy{}.min_iterations;
   if (unusual && spec.variant.empty())
     table.fail(
         "numerics, recipe, air, turn_wind, half_model, mesh_seed and min_iterations need variant = \"word\", which tells the cases from "
@@ -215,6 +225,7 @@ void read_special(Table& table, const fs::path& file, Sweep& sweep) {
       MeshRecipe recipe = spec.recipe;
       recipe.refinement = refinement_of(level, spec.octree());
       if (spec.octree()) OctreeSizes(spec.shape, recipe, Symmetry::none);  // does it fit?
+      if (spec.o_grid()) o_grid_cells(spec.shape, recipe, Symmetry::none);
     } catch (const std::invalid_argument& error) {
       table.fail(error.what());
     }
@@ -286,6 +297,17 @@ std::string reynolds_text(double reynolds) {
 
 }  // namespace
 
+Numerics numerics_of(const std::string& flow_model) {
+  if (flow_model != "k_omega_sst_lm") return {};
+  return {.relaxation_velocity = 0.8, .relaxation_pressure = 0.7, .turbulence_intensity = 0.001, .viscosity_ratio = 1.0, .wall = "low_re"};
+}
+
+StopPolicy stop_policy_of(const std::string& flow_model) {
+  StopPolicy policy;
+  if (flow_model == "k_omega_sst_lm") policy.mean_error = 0.03;
+  return policy;
+}
+
 Eigen::Vector3d Spin::direction() const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const char letter : axis)
@@ -310,7 +332,9 @@ std::string case_name(const CaseSpec& spec) {
   if (spec.laminar()) name += "-laminar";
   if (spec.flow_model == "laminar_unsteady") name += "-unsteady";
   if (spec.flow_model == "k_omega_sst_ddes") name += "-ddes";
+  if (spec.flow_model == "k_omega_sst_lm") name += "-lm";
   if (spec.octree()) name += "_octree";
+  if (spec.o_grid()) name += "_o-grid";
   name += "_" + spec.mesh_level;
   if (!spec.variant.empty()) name += "_" + spec.variant;
   return name;

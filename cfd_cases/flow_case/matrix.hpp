@@ -27,7 +27,7 @@ struct Numerics {
   std::string gradient = "unlimited";        ///< "unlimited" or "cell_limited", which differs by up to 20 % on an inclined plate
   double turbulence_intensity = 0.01;        ///< of the undisturbed air
   double viscosity_ratio = 10.0;             ///< eddy viscosity of the undisturbed air / nu
-  std::string wall = "spalding";             ///< eddy viscosity on the wall: "spalding" (all y+), "log_law", "low_re" (none)
+  std::string wall = "spalding";             ///< eddy viscosity on the wall: "spalding" (all y+), "log_law", "low_re" (none, k = 0)
 
   bool operator==(const Numerics&) const = default;
 };
@@ -40,7 +40,13 @@ struct StopPolicy {
   int average = 60;          ///< last iterations of that window, whose mean is the result
   double tolerance = 0.003;  ///< of max(|C_D|, floor): largest spread and drift over the window
   double floor = 0.1;
+  double mean_error = 0.01;  ///< of max(|C_D|, floor): largest standard error of the mean of a wake that does not settle
 };
+
+/// What is of record for a flow model, where a matrix says nothing else. Transition needs a quiet wind and a wall that is resolved. By it
+/// the wake of a smooth body swings by some 5 % for ever, and a mean within 3 % is more than its method is worth.
+Numerics numerics_of(const std::string& flow_model);
+StopPolicy stop_policy_of(const std::string& flow_model);
 
 /// Angles of docs/conventions.md, in degrees as they stand in the matrix.
 struct PoseDegrees {
@@ -73,7 +79,7 @@ struct CaseSpec {
   dragcore::Shape shape;
   PoseDegrees pose;
   double reynolds = 1e5;
-  std::string flow_model = "k_omega_sst";  ///< or "laminar"; time-accurate: "laminar_unsteady", "k_omega_sst_ddes"
+  std::string flow_model = "k_omega_sst";  ///< or "laminar", "k_omega_sst_lm" (transition); in time: "laminar_unsteady", "k_omega_sst_ddes"
   Spin spin;
   TimeSpan time;  ///< of a time-accurate run
   std::string mesh_level = "medium";
@@ -89,6 +95,7 @@ struct CaseSpec {
   std::shared_ptr<const CaseSpec> start;  ///< from whose fields the solver starts; empty: from uniform flow
 
   bool octree() const { return recipe.hexahedra != 0.0; }
+  bool o_grid() const { return recipe.first_layer != 0.0; }
   bool mesh_in_body_frame() const { return turn_wind || octree(); }
   PoseDegrees mesh_pose() const { return mesh_in_body_frame() ? PoseDegrees{} : pose; }  ///< of the body in the frame of the mesh
   bool laminar() const { return flow_model == "laminar" || flow_model == "laminar_unsteady"; }
@@ -97,7 +104,8 @@ struct CaseSpec {
 };
 
 /// "plate_incidence-030_re-1e5_medium", "cone-apex_angle_deg-30_incidence-000_re-1e2-laminar_fine": parameters that differ from the shape's
-/// defaults, angles that are not zero (incidence where all are), spin, Reynolds number, flow model, "octree", level, variant.
+/// defaults, angles that are not zero (incidence where all are), spin, Reynolds number, flow model, "octree" or
+/// "o-grid", level, variant.
 std::string case_name(const CaseSpec& spec);
 
 struct Matrix {

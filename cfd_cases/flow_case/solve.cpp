@@ -108,7 +108,7 @@ std::map<std::string, std::string> files_to_run(const CaseSpec& spec, Symmetry s
 }
 
 /// The fields that a solver needs to go on; those of turbulence only where it was modelled.
-constexpr const char* kFields[] = {"U", "p", "k", "omega", "nut"};
+constexpr const char* kFields[] = {"U", "p", "k", "omega", "nut", "gammaInt", "ReThetat"};
 
 /// The text of a field file from "internalField" up to its boundary.
 std::pair<std::size_t, std::size_t> internal_field(const std::string& text, const fs::path& file) {
@@ -124,12 +124,6 @@ bool ended_well(const fs::path& log) {
   in.seekg(std::max<std::streamoff>(0, static_cast<std::streamoff>(size) - 200));
   const std::string tail{std::istreambuf_iterator<char>(in), {}};
   return tail.find("\nEnd\n") != std::string::npos;
-}
-
-double thread_cpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 void add(StageCost& cost, const Outcome& outcome) {

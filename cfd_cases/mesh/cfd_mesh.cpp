@@ -79,11 +79,6 @@ struct Solid {
   }
 };
 
-/// The axis square to the symmetry plane of a half model, or -1.
-int halved_axis(cfd_cases::Symmetry symmetry) {
-  return symmetry == cfd_cases::Symmetry::plane_y ? 1 : symmetry == cfd_cases::Symmetry::plane_z ? 2 : -1;
-}
-
 void name_patches(const std::map<std::string, std::vector<int>>& patches, int air) {
   for (const auto& [name, tags] : patches) gmsh::model::setPhysicalName(2, gmsh::model::addPhysicalGroup(2, tags), name);
   gmsh::model::setPhysicalName(3, gmsh::model::addPhysicalGroup(3, {air}), "air");
@@ -95,7 +90,7 @@ void make_base_grid(const nlohmann::json& request, const std::string& output) {
   const cfd_cases::MeshRecipe recipe = cfd_cases::recipe_from_json(request.at("recipe"));
   const auto symmetry = cfd_cases::symmetry_from(request.at("symmetry").get<std::string>());
   const cfd_cases::BaseGrid grid = cfd_cases::base_grid(shape, recipe, symmetry);
-  const int halved = halved_axis(symmetry);
+  const int halved = cfd_cases::halved_axis(symmetry);
   const double size = grid.size;
   const Vector3d corner = -size * grid.below.cast<double>(), extent = size * (grid.below + grid.above).cast<double>();
   occ::addBox(corner.x(), corner.y(), corner.z(), extent.x(), extent.y(), extent.z());
@@ -145,7 +140,7 @@ void make_mesh(const nlohmann::json& request, const std::string& output) {
   const Eigen::AlignedBox3d bounds(lower, upper);
   const Eigen::AlignedBox3d around = cfd_cases::air_around(bounds, scale, recipe, symmetry);
   const Vector3d inlet = around.min(), outlet = around.max();
-  const int halved = halved_axis(symmetry);
+  const int halved = cfd_cases::halved_axis(symmetry);
   const Vector3d extent = outlet - inlet;
   const double radius = scale * recipe.far_radius;
   Entities air;

@@ -107,6 +107,7 @@ void visit_options(Recipe& r, Visit visit) {
   visit("seed", r.seed);
   visit("hexahedra", r.hexahedra);
   visit("wake_rise", r.wake_rise);
+  visit("first_layer", r.first_layer);
 }
 
 /// Where the wind turns towards, in a mesh that stays with the body: +z by incidence, -y by yaw.
@@ -117,6 +118,8 @@ Vector3d lee_side(Symmetry symmetry) { return symmetry == Symmetry::plane_z ? Ve
 std::string to_string(Symmetry symmetry) {
   return symmetry == Symmetry::none ? "none" : symmetry == Symmetry::plane_y ? "plane_y" : "plane_z";
 }
+
+int halved_axis(Symmetry symmetry) { return symmetry == Symmetry::plane_y ? 1 : symmetry == Symmetry::plane_z ? 2 : -1; }
 
 Symmetry symmetry_from(const std::string& word) {
   for (const Symmetry symmetry : {Symmetry::none, Symmetry::plane_y, Symmetry::plane_z})
@@ -185,6 +188,7 @@ MeshRecipe octree_recipe() {
 }
 
 MeshRecipe recipe_for(MeshRecipe recipe, const dragcore::Shape& shape, double reynolds) {
+  if (recipe.first_layer != 0.0) return recipe;  // an O-grid follows the body as it is
   if (const auto* ellipsoid = std::get_if<dragcore::Ellipsoid>(&shape)) {
     const auto [shortest, longest] = std::minmax({ellipsoid->semi_x, ellipsoid->semi_y, ellipsoid->semi_z});
     recipe.body_size = std::min(recipe.body_size, 0.3 * shortest * shortest / longest / body_scale(shape));
@@ -192,6 +196,16 @@ MeshRecipe recipe_for(MeshRecipe recipe, const dragcore::Shape& shape, double re
   if (reynolds >= 50.0 || recipe.hexahedra != 0.0 || recipe.far_radius != 0.0) return recipe;
   for (double* side : {&recipe.upstream, &recipe.downstream, &recipe.sideways}) *side = std::max(*side, 30.0);
   recipe.far_size = std::max(recipe.far_size, 6.0);
+  return recipe;
+}
+
+MeshRecipe o_grid_recipe() {
+  MeshRecipe recipe;
+  recipe.first_layer = 0.0005;
+  recipe.growth = 0.25;
+  recipe.wake_size = 0.09;
+  recipe.wake_length = 1.7;
+  recipe.far_radius = 14.0;  // 8 before the body, 20 behind it
   return recipe;
 }
 
@@ -304,6 +318,7 @@ std::vector<std::pair<const char*, double*>> recipe_lengths(MeshRecipe& recipe) 
   });
   list.emplace_back("far_radius", &recipe.far_radius);
   list.emplace_back("wake_rise", &recipe.wake_rise);
+  list.emplace_back("first_layer", &recipe.first_layer);
   return list;
 }
 

@@ -14,6 +14,7 @@ namespace cfd_cases {
 /// symmetric.
 enum class Symmetry { none, plane_y, plane_z };
 std::string to_string(Symmetry symmetry);
+int halved_axis(Symmetry symmetry);               ///< the axis square to the plane, -1 where there is none
 Symmetry symmetry_from(const std::string& word);  ///< @throws std::invalid_argument on an unknown word
 
 /// The symmetry plane that body, pose and spin allow: y = 0 first (poses in incidence), then z = 0 (poses in yaw). A body that spins has
@@ -51,6 +52,8 @@ struct MeshRecipe {
   double seed = 0.0;        ///< of the mesh generator: another mesh of the same sizes
   double hexahedra = 0.0;   ///< 1: an octree of cubes in the body frame instead of polyhedra; bodies with flat sides only
   double wake_rise = 0.0;   ///< of the wake box to the lee side, where mesh and body stay and the wind turns; 0: wake_margin
+  double first_layer =
+      0.0;  ///< thickness of the first layer of an O-grid (o_grid.hpp), which takes the place of polyhedra; 0: no such grid
 };
 
 /// The largest relative error of area and volume that a correct mesh may have: rounding for flat sides, faceting for round ones.
@@ -63,6 +66,10 @@ double kept_feature_angle_deg(const dragcore::Shape& shape, double asked);
 /// The recipe of an octree of cubes around a body with flat sides, for scale-resolving runs: the size on the body fits a plate of
 /// thickness 0.05. Levels differ by 2; a cube is content with "coarse", which does not fit such a plate.
 MeshRecipe octree_recipe();
+
+/// The recipe of an O-grid around a smooth body at Re 1e5: the first cell's centre is at y+ of about 1, a laminar layer at 60 degrees from
+/// the front of a ball has some eight cells.
+MeshRecipe o_grid_recipe();
 
 /// The recipe for a body in flow of a Reynolds number. Where viscosity carries the body's presence far, below 50, a box of air keeps at
 /// least 30 body scales to each side: at Re 1 air of 8 adds 2.4 % to the drag of a ball, air of 30 adds 0.2 %; coarse cells fill it. On an

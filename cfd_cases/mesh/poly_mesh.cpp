@@ -1,6 +1,7 @@
 #include "cfd_cases/mesh/poly_mesh.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -183,6 +184,25 @@ void write_points(const fs::path& folder, const std::vector<Vector3d>& points) {
   for (const Vector3d& p : points) out << fmt::format("({:.12g} {:.12g} {:.12g})\n", p.x(), p.y(), p.z());
   out << ")\n";
   if (!out.flush()) throw std::runtime_error(fmt::format("cannot write {}: is the disk full?", (folder / "points").string()));
+}
+
+void write_poly_mesh(const fs::path& folder, const PolyMesh& mesh) {
+  fs::create_directories(folder);
+  write_points(folder, mesh.points);
+  const auto write = [&](const char* name, const char* type, const auto& items, const auto& text_of) {
+    std::ofstream out(folder / name);
+    out << fmt::format("FoamFile {{ version 2.0; format ascii; class {}; object {}; }}\n{}\n(\n", type, name, items.size());
+    for (const auto& item : items) out << text_of(item) << '\n';
+    out << ")\n";
+    if (!out.flush()) throw std::runtime_error(fmt::format("cannot write {}: is the disk full?", (folder / name).string()));
+  };
+  const auto number = [](int cell) { return fmt::format("{}", cell); };
+  write("faces", "faceList", mesh.faces, [](const auto& face) { return fmt::format("{}({})", face.size(), fmt::join(face, " ")); });
+  write("owner", "labelList", mesh.owner, number);
+  write("neighbour", "labelList", mesh.neighbour, number);
+  write("boundary", "polyBoundaryMesh", mesh.patches, [](const PolyMesh::Patch& patch) {
+    return fmt::format("{} {{ type patch; nFaces {}; startFace {}; }}", patch.name, patch.faces, patch.first_face);
+  });
 }
 
 std::vector<CellExtent> cell_extents(const PolyMesh& mesh) {

@@ -29,6 +29,8 @@ struct PolyMesh {
 /// @throws std::runtime_error naming the file, when one is missing, binary, truncated or inconsistent with the others
 PolyMesh read_poly_mesh(const std::filesystem::path& folder);
 void write_points(const std::filesystem::path& folder, const std::vector<Eigen::Vector3d>& points);
+/// All files of the folder, which is made; every patch is of the type "patch".
+void write_poly_mesh(const std::filesystem::path& folder, const PolyMesh& mesh);
 
 /// Centre and area vector of a face as OpenFOAM defines them: the triangles from the mean of the corners, weighted by area.
 struct FaceGeometry {

@@ -35,9 +35,6 @@ dragcore::TriangleMesh turned(const dragcore::MeshBody& body, const dragcore::Po
 
 bool is_shell(const dragcore::MeshBody& body) { return body.measured.volume == 0.0; }
 
-/// The axis across the symmetry plane of a half model, or -1.
-int across(Symmetry symmetry) { return symmetry == Symmetry::plane_y ? 1 : symmetry == Symmetry::plane_z ? 2 : -1; }
-
 Regions regions_of(const dragcore::MeshBody& body, const dragcore::Pose& pose, const MeshRecipe& recipe, Symmetry symmetry) {
   AlignedBox3d box;
   for (const Vector3d& vertex : turned(body, pose).vertices) box.extend(vertex);
@@ -60,7 +57,7 @@ Regions regions_of(const dragcore::MeshBody& body, const dragcore::Pose& pose, c
   for (int axis = 0; axis < 3; ++axis) regions.cubes[axis] = static_cast<int>(std::ceil(regions.air.sizes()[axis] / regions.cube));
   const Vector3d missing = regions.cube * regions.cubes.cast<double>() - regions.air.sizes();
   Vector3d below = 0.5 * missing;
-  if (across(symmetry) >= 0) below[across(symmetry)] = 0.0;
+  if (halved_axis(symmetry) >= 0) below[halved_axis(symmetry)] = 0.0;
   regions.air = AlignedBox3d(regions.air.min() - below, regions.air.max() + missing - below);
   return regions;
 }
@@ -219,7 +216,7 @@ std::string snappy_fault(const dragcore::MeshBody& body, const MeshRecipe& recip
   Vector3d sum = Vector3d::Zero();
   const auto& patch = mesh.patch("body");
   for (int i = 0; i < patch.faces; ++i) sum += face_geometry(mesh, patch.first_face + i).area_vector;
-  if (across(symmetry) >= 0) sum[across(symmetry)] = 0.0;
+  if (halved_axis(symmetry) >= 0) sum[halved_axis(symmetry)] = 0.0;
   // Points are written with 12 digits.
   if (!(sum.norm() <= 1e-8 * area))
     return fmt::format("the faces of the wall do not close: their area vectors add up to {:.3g} m2", sum.norm());

@@ -66,10 +66,11 @@ struct CaseRecord {
   std::string description;  ///< canonical JSON of all that determines the result
   std::string source;       ///< "openfoam-1912"; of an experiment its key in references.bib
   std::string tier;
-  dragcore::Shape shape;    ///< a MeshBody carries its triangles
+  dragcore::Shape shape;  ///< a MeshBody carries its triangles
   dragcore::Pose pose;
   double reynolds = 0.0;
-  std::string flow_model;  ///< "laminar", "k_omega_sst"; in time: "laminar_unsteady", "k_omega_sst_ddes" (scale-resolving); `experiment`
+  std::string flow_model;  ///< "laminar", "k_omega_sst", "k_omega_sst_lm" (transition); in time: "laminar_unsteady", "k_omega_sst_ddes"
+                           ///< (scale-resolving); `experiment`
   std::string mesh_level;  ///< "coarse", "medium", "fine", "finest"; empty for an experiment
   bool held_out = false;   ///< not to be used for fitting
   double density = 1.0;    ///< [kg/m^3]

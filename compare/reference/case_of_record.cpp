@@ -134,8 +134,8 @@ CaseOfRecord chosen_from(std::vector<CaseFamily> families) {
 std::string flow_class(const CaseRecord& record) {
   if (record.is_experiment()) return record.reynolds >= 1e4 ? "k_omega_sst" : "laminar";
   const std::string& model = record.flow_model;
-  for (const std::string_view in_time : {"_ddes", "_unsteady"})
-    if (model.ends_with(in_time)) return model.substr(0, model.size() - in_time.size());
+  for (const std::string_view kind : {"_ddes", "_lm", "_unsteady"})
+    if (model.ends_with(kind)) return model.substr(0, model.size() - kind.size());
   return model;
 }
 

@@ -19,18 +19,18 @@ struct CaseOfRecord {
   std::string note;       ///< which was taken, what the others say, and why; empty without alternatives
 };
 
-/// One for every body, pose, spin and Reynolds number of the records, in order of name. Scale-resolving and steady turbulent families
-/// compete for the same pose; laminar ones are another flow. Variants of the numerics (dragval variants) compete only where nothing else
-/// was solved. An experiment competes, too, but one that does not know the whole force
-/// stands only where nothing else does.
+/// One for every body, pose, spin and Reynolds number of the records, in order of name. Turbulent families, scale-resolving, with a
+/// transition model or neither, compete for the same pose; laminar ones are another flow. Variants of the numerics (dragval variants)
+/// compete only where nothing else was solved. An experiment competes, too, but one that does not know the whole force stands only where
+/// nothing else does.
 ///
 /// The smallest standard uncertainty of the force vector, over its length, wins, u_method included: method_uncertainty.toml, and for a flow
 /// that was stepped up and down in angle (variants "up" and "down") no less than half the difference between the two. A family whose
 /// discretisation is not assessed yields to one whose u is complete, unless the entry of its method holds the mesh.
 std::vector<CaseOfRecord> cases_of_record(const std::vector<case_record::CaseRecord>& records);
 
-/// What a case is about besides body and pose: "laminar", or the model of turbulence, "k_omega_sst", solved in time or not. Nature has one
-/// flow: an experiment answers what is asked of a turbulent solution from Re 1e4 on, of a laminar one below.
+/// What a case is about besides body and pose: "laminar", or the model of turbulence, "k_omega_sst", solved in time, with a transition model
+/// or neither. Nature has one flow: an experiment answers what is asked of a turbulent solution from Re 1e4 on, of a laminar one below.
 std::string flow_class(const case_record::CaseRecord& record);
 
 /// Whether two cases are about the same body, pose, spin, Reynolds number and flow, whoever solved or measured them.

@@ -40,6 +40,8 @@ std::string orientation(const ErrorRow& row) {
 /// What is no steady solution says what it is.
 std::string method_word(const ErrorRow& row) {
   if (row.flow_model == CaseRecord::experiment) return ", experiment";
+  if (row.flow_model.ends_with("_lm")) return ", transition";
+  if (row.flow_model.ends_with("_unsteady")) return ", in time";
   return row.flow_model != row.flow_class ? ", scale-resolving" : "";
 }
 

@@ -154,3 +154,16 @@ TEST_CASE("flows of the same body in the same pose share one mesh", "[cfd_cases]
   CHECK(identify(plate(45.0), kTools).mesh_key != a.mesh_key);
   CHECK(nlohmann::json::parse(a.description).at("mesh") == nlohmann::json::parse(a.mesh_description));
 }
+
+TEST_CASE("a stored description tells of an O-grid and of how good a mean had to be; others do not mention them", "[cfd_cases][key]") {
+  CaseSpec spec;
+  spec.shape = dragcore::Sphere{};
+  CHECK_THAT(identify(spec, kTools).description, !Catch::Contains("mean_error") && !Catch::Contains("first_layer"));
+  spec.flow_model = "k_omega_sst_lm";
+  spec.recipe = o_grid_recipe();
+  spec.stop = stop_policy_of(spec.flow_model);
+  const auto known = described_case(identify(spec, kTools).description);
+  REQUIRE(known);
+  CHECK(known->spec.o_grid());
+  CHECK(known->spec.stop.mean_error == 0.03);
+}

@@ -92,3 +92,29 @@ TEST_CASE("a spin in still air has the rate that makes omega L the reference spe
   CHECK_THAT(windy.at("0/U"), Contains("movingWallVelocity"));
   CHECK(solver_of(spec) == "pimpleFoam");
 }
+
+TEST_CASE("a transition model has its two fields, a quiet wind, a wall without turbulence and a first guess askew",
+          "[cfd_cases][dictionaries]") {
+  CaseSpec spec;
+  spec.shape = dragcore::Sphere{};
+  spec.flow_model = "k_omega_sst_lm";
+  spec.numerics = numerics_of(spec.flow_model);
+  spec.recipe = o_grid_recipe();
+  const auto files = dictionaries(spec, Symmetry::plane_y, Rung::standard);
+  CHECK_THAT(files.at("constant/turbulenceProperties"), Contains("RASModel kOmegaSSTLM;"));
+  CHECK_THAT(files.at("0/gammaInt"), Contains("internalField uniform 1;") && Contains("body { type zeroGradient;"));
+  // 1173.51 - 589.428 Tu + 0.2196 / Tu^2 at Tu = 0.1 %.
+  CHECK_THAT(files.at("0/ReThetat"), Contains("internalField uniform 1136.5"));
+  CHECK_THAT(files.at("0/k"), Contains("internalField uniform 1.5e-06;") && Contains("body { type fixedValue; value uniform 1e-12; }"));
+  CHECK_THAT(files.at("0/nut"), Contains("nutLowReWallFunction"));
+  CHECK_THAT(files.at("0/U"), Contains("internalField uniform (1 0 0.1);") && Contains("freestreamValue uniform (1 0 0);"));
+  CHECK_THAT(dictionaries(spec, Symmetry::plane_z, Rung::standard).at("0/U"), Contains("internalField uniform (1 0.1 0);"));
+  for (const char* file : {"system/fvSchemes", "system/fvSolution"})
+    CHECK_THAT(files.at(file), Contains("gammaInt") && Contains("ReThetat"));
+  // Nothing of it in the files of others, whose keys hold them.
+  spec.flow_model = "k_omega_sst";
+  for (const auto& [path, text] : dictionaries(spec, Symmetry::plane_y, Rung::standard)) {
+    CHECK(path.find("gammaInt") == std::string::npos);
+    CHECK_THAT(text, !Contains("ReThetat"));
+  }
+}

@@ -218,3 +218,34 @@ TEST_CASE("a body of triangles comes from a file beside the matrix and says its 
   // Keys of a file say nothing about a plate.
   CHECK_THAT(error_of("[[sweep]]\nshape = \"plate\"\nreference_area = 1\n"), Contains("unknown key 'reference_area'"));
 }
+
+TEST_CASE("a transition model brings its mesh, numerics and patience, which a sweep may change", "[cfd_cases][matrix]") {
+  const Matrix matrix = parse(R"(
+[defaults]
+flow_model = "k_omega_sst_lm"
+[[sweep]]
+shape = "sphere"
+[[sweep]]
+shape = "sphere"
+flow_model = "k_omega_sst"
+[[sweep]]
+shape = "sphere"
+variant = "gusty"
+numerics = { turbulence_intensity = 0.02 }
+)");
+  const CaseSpec& spec = matrix.cases[0];
+  CHECK(spec.name == "sphere_incidence-000_re-1e5-lm_o-grid_medium");
+  CHECK(spec.o_grid());
+  CHECK(spec.numerics == numerics_of("k_omega_sst_lm"));
+  CHECK(spec.numerics.wall == "low_re");
+  CHECK(spec.stop.mean_error == 0.03);
+  CHECK(matrix.cases[1].name == "sphere_incidence-000_re-1e5_medium");
+  CHECK(matrix.cases[1].numerics == Numerics{});
+  CHECK(matrix.cases[1].stop.mean_error == StopPolicy{}.mean_error);
+  CHECK(matrix.cases[2].numerics.turbulence_intensity == 0.02);
+  CHECK(matrix.cases[2].numerics.viscosity_ratio == 1.0);
+  const std::string lm = "[[sweep]]\nshape = \"sphere\"\nflow_model = \"k_omega_sst_lm\"\n";
+  CHECK_THAT(error_of(lm + "mesher = \"polyhedra\"\n"), Contains("o_grid"));
+  CHECK_THAT(error_of(lm + "turn_wind = true\nvariant = \"a\"\n"), Contains("leave out air, turn_wind and spin"));
+  CHECK_THAT(error_of("[[sweep]]\nshape = \"cone\"\nmesher = \"o_grid\"\n"), Contains("not a cone"));
+}

@@ -241,3 +241,21 @@ TEST_CASE("an octree holds a plate exactly, and a case goes on from the fields o
   std::filesystem::remove_all(cache.root / "fields");
   CHECK(solve_one(orphan).status == Status::failed);
 }
+
+TEST_CASE("an O-grid around a ball passes checkMesh, and the transition model runs on it", "[cfd_cases][cfd]") {
+  const TemporaryFolder folder;
+  CaseSpec spec;
+  spec.shape = dragcore::Sphere{};
+  spec.flow_model = "k_omega_sst_lm";
+  spec.numerics = numerics_of(spec.flow_model);
+  spec.recipe = o_grid_recipe();
+  spec.mesh_level = "coarse";
+  spec.stop.max_iterations = 30;  // past the impulsive start: 3 CPU seconds
+  const auto record = solve(spec, folder.path);
+  CAPTURE(record.reason, record.cells);
+  CHECK(record.status == Status::drifting);  // nothing settles in 30 iterations; what fails or diverges is another status
+  CHECK(record.iterations == 30);
+  CHECK(record.mesh_quality.at("max_non_orthogonality_deg") <
+        50.0);                                          // a cubed sphere has 35 where three of its sides meet, the fan some more
+  CHECK(record.mesh_quality.at("max_skewness") < 2.0);  // OpenFOAM's limit is 4
+}

@@ -178,3 +178,8 @@ TEST_CASE("a spin in still air and the same spin in a wind are two questions", "
   windy.still_air = false;
   CHECK(compare::cases_of_record({still, windy}).size() == 2);
 }
+
+TEST_CASE("turbulent methods answer the same question, laminar flow another", "[compare][record]") {
+  for (const char* model : {"k_omega_sst", "k_omega_sst_ddes", "k_omega_sst_lm"}) CHECK(compare::flow_class(model) == "k_omega_sst");
+  CHECK(compare::flow_class("laminar") == "laminar");
+}
