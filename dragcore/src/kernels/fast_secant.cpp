@@ -1,4 +1,5 @@
 #include "drag/secant.hpp"
+#include "drag/viscous.hpp"
 #include "kernels/part_flow.hpp"
 #include "kernels/secant_kernel.hpp"
 #include "support/cross_matrix.hpp"
@@ -60,6 +61,9 @@ std::optional<Secant> fast_secant(const Surface& surface, const Motion& motion, 
     result.given.head<3>() += pushed.force, result.given.tail<3>() += pushed.torque;
     result.given_power += part.to_newton * part.speed * sums.row[SecantSums::given_power];
   }
+  for_each_creeping_flow(surface, motion, medium, model, [&](const Part& creeping_part, const CreepingFlow& creeping) {
+    result.taken += creeping.matrix(creeping_part);
+  });
   result.taken = 0.5 * (result.taken + result.taken.transpose()).eval();  // to the last bit
   return result;
 }
