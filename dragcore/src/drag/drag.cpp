@@ -130,8 +130,7 @@ std::string to_string(Effect effect) {
 }
 
 Pillow class_pillow(BodyClass body_class) {
-  if (body_class == BodyClass::sheet) return {.form = PillowForm::tilt, .factor = 0.86, .viscous_gain = 5.9};
-  return {.form = PillowForm::tilt, .factor = 0.5};
+  return {.form = PillowForm::tilt, .factor = body_class == BodyClass::sheet ? 0.86 : 0.5, .viscous_gain = 5.9};
 }
 
 Model model_for(const Surface& surface) {

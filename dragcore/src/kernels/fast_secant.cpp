@@ -47,7 +47,7 @@ std::optional<Secant> fast_secant(const Surface& surface, const Motion& motion, 
   for (std::size_t p = 0; p < surface.parts.size(); ++p) {
     if (!flow.of(p, part)) return std::nullopt;
     if (part.speed == 0.0) continue;
-    if (!part.task.varies) part.task.quadrature = model.effects.has(Effect::spin) ? model.quadrature : Quadrature::one;
+    if (!flow.varies()) part.task.quadrature = model.effects.has(Effect::spin) ? model.quadrature : Quadrature::one;
     part.task.varies = true;
     const SecantSums sums = kernels::secant_sums(part.task);
     // From the part's origin to the reference point, and to newtons per metre per second.

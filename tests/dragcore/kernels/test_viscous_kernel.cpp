@@ -11,12 +11,6 @@ using Eigen::Vector3d;
 
 namespace {
 
-Model viscous_model(const Surface& surface) {
-  Model model = model_for(surface);
-  model.pillow.viscous_gain = 5.9;  // of closed bodies, too: felt by each in its own flow
-  return model;
-}
-
 Vector6d six(const Wrench& w) { return (Vector6d() << w.force, w.torque).finished(); }
 
 }  // namespace
@@ -28,7 +22,7 @@ TEST_CASE("with viscosity the kernels give wrench and secant matrix within singl
       zoo::Random random(seed);
       INFO("seed " << seed);
       const Surface surface = zoo::surface(zoo::shapes()[seed % zoo::shapes().size()], 3);
-      Model single = viscous_model(surface), full = zoo::exactly(single);
+      Model single = model_for(surface), full = zoo::exactly(single);
       single.quadrature = full.quadrature = seed % 3 ? Quadrature::three : Quadrature::adaptive;
       const Motion motion = seed % 2 ? random.motion(4.0, 0.0) : hostile::motion(random);
       const Medium medium{.density = 1.2, .viscosity = std::pow(10.0, random.uniform(-5.0, 2.0))};
@@ -55,7 +49,7 @@ TEST_CASE("with viscosity a batch gives what its bodies get one by one, whatever
   const std::vector<Surface> surfaces{zoo::surface(Box{}, 1), zoo::surface(Plate{.chord = 0.3, .span = 0.2, .thickness = 0.0}, 1),
                                       zoo::surface(Sphere{}, 1)};
   std::vector<Model> models;
-  for (const Surface& surface : surfaces) models.push_back(viscous_model(surface));
+  for (const Surface& surface : surfaces) models.push_back(model_for(surface));
   const MassProperties mass{0.1, Vector3d(0.02, 0.03, 0.04).asDiagonal()};
   const Medium medium{.density = 1.2, .viscosity = 0.02};  // Re of order 100
   kernels::same_bits([&] {
