@@ -99,7 +99,8 @@ std::map<std::string, std::string> provenance(const compare::Fit& fit) {
 std::string viscous_provenance(const compare::Fit& fit) {
   const compare::FitErrors& all = fit.errors.front();
   return fmt::format(
-      "layer and layer_curvature fitted to force vectors of {} cases of results/reference.h5 below Re 200 by dragval calibrate --viscous --write dragcore/laws; rms relative error of the force: fitted {:.3f}, left-out pose {:.3f}, "
+      "layer and layer_curvature fitted to force vectors of {} cases of results/reference.h5 below Re 200 by "
+      "dragval calibrate --viscous --write dragcore/laws; rms relative error of the force: fitted {:.3f}, left-out pose {:.3f}, "
       "left-out shape {:.3f}; stokes is exact for ellipsoids as Re -> 0",
       fit.cases.size(), all.in_sample, all.left_out_pose, all.left_out_shape);
 }

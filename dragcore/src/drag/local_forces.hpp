@@ -82,6 +82,26 @@ inline std::vector<PartModel> part_models(const Surface& surface, const Motion& 
   return parts;
 }
 
+/// Friction of the boundary layer on all wetted sides of a triangle, eq. 16, as a function of c. Not for inlining into loops that may do
+/// without it.
+/// @param direction  of the flow, unit
+[[gnu::noinline]] inline Curve layer_of_both_sides(const Surface& surface, Eigen::Index triangle, const BodyLaw& law,
+                                                   const Eigen::Vector3d& direction, double speed) {
+  instrument::count(Effect::viscous);
+  const Eigen::Vector3d normal = surface.normal.row(triangle).matrix();
+  const double back = surface.back[triangle], s = std::max(-1.0, std::min(1.0, -direction.dot(normal)));
+  const auto chi = [&](double side) {
+    return law.law().layer_curvature > 0.0 ? curvature_along(surface, triangle, direction + s * normal, side) : 0.0;
+  };
+  Curve both = law.layer(s, chi(1.0));
+  if (back > 0.0) {
+    const Curve behind = law.layer(-s, chi(-1.0));
+    both = {both.value + back * behind.value, both.slope - back * behind.slope};
+  }
+  // c grows with s on the windward side and falls with it on the leeward one.
+  return Curve{both.value, s > 0.0 ? both.slope : -both.slope} * (1.0 / std::sqrt(speed));
+}
+
 /// Calls visit(LocalForce) for every contribution, triangle by triangle: the one place where the model walks over a surface. Creeping
 /// flow is not among them, which needs no walk: for_each_creeping_flow().
 /// @param every_point  of the model's rule, also where the flow is the same all over a triangle: what a change of spin would do needs them
@@ -127,36 +147,25 @@ void for_each_local_force(const Surface& surface, const Motion& motion, const Me
       };
       feel(r + shift, false);
       if (leeward) feel(r, true);
-      if (const double friction = part.law.friction(); friction > 0.0) {
-        instrument::count(Effect::friction);
-        const Vector3d u = flow.at(r, i);
-        if (const double speed = u.norm(); speed != 0.0)
-          visit(LocalForce{i,
-                           Term::friction,
-                           r - motion.reference_point,
-                           normal,
-                           u,
-                           speed,
-                           std::min(1.0, std::abs(u.dot(normal)) / speed),
-                           half_rho_area * (1.0 + back),
-                           {friction, 0.0}});
-      }
-      if (part.law.layer_scale() > 0.0) {
-        instrument::count(Effect::viscous);
+      if (const double friction = part.law.friction(); friction > 0.0 || part.law.layer_scale() > 0.0) {
         const Vector3d u = flow.at(r, i);
         if (const double speed = u.norm(); speed != 0.0) {
-          const double facing = std::max(-1.0, std::min(1.0, -u.dot(normal) / speed)), per_root = 1.0 / std::sqrt(speed);
-          const auto chi = [&](double side) {
-            return part.law.law().layer_curvature > 0.0 ? curvature_along(surface, i, (u - normal * normal.dot(u)) / speed, side) : 0.0;
-          };
-          Curve both = part.law.layer(facing, chi(1.0));
-          if (back > 0.0) {
-            const Curve behind = part.law.layer(-facing, chi(-1.0));
-            both = {both.value + back * behind.value, both.slope - back * behind.slope};
+          LocalForce rubbed{i,
+                            Term::friction,
+                            r - motion.reference_point,
+                            normal,
+                            u,
+                            speed,
+                            std::min(1.0, std::abs(u.dot(normal)) / speed),
+                            half_rho_area * (1.0 + back),
+                            {friction, 0.0}};
+          if (friction > 0.0) {
+            instrument::count(Effect::friction);
+          } else {
+            rubbed.half_rho_area = half_rho_area;
+            rubbed.coefficient = layer_of_both_sides(surface, i, part.law, u / speed, speed), rubbed.growth = 0.5;
           }
-          // By c, which grows with s on the windward side and falls with it on the leeward one.
-          visit(LocalForce{i, Term::friction, r - motion.reference_point, normal, u, speed, std::abs(facing), half_rho_area,
-                           Curve{both.value, facing > 0.0 ? both.slope : -both.slope} * per_root, 0.5});
+          visit(rubbed);
         }
       }
     };

@@ -92,15 +92,18 @@ bool BodyFlow::of(std::size_t p, PartFlow& result) {
 
   const Law& law = model_.law_of(part.body_class);
   const ActiveEffects active(motion_, model_, law, model_.pillow_of(part.body_class), medium_);
-  const Pillow pillow = pillow_at(model_.pillow_of(part.body_class), part, travel, medium_, active);
+  double kappa = 0.0, layer = 0.0;
+  if (active.has<Effect::pillow>()) kappa = model_.pillow_of(part.body_class).factor;
+  if (active.has<Effect::viscous>()) {
+    if (kappa > 0.0) kappa = pillow_at(model_.pillow_of(part.body_class), part, travel, medium_, active).factor;
+    layer = layer_scale(law, part, medium_, active) / std::sqrt(speed);
+  }
   const Vector3d direction = travel > 0.0 ? Vector3d(centre_flow / travel) : Vector3d::Zero();
   Descriptors body;
   if (travel > 0.0 && BodyLaw::needs_descriptors(law, active)) body = described(p, direction, law, active);
   PartTask& task = result.task;
   task.surface = &packed, task.part = p;
-  task.law =
-      resolved(BodyLaw(law, body, directed, active, layer_scale(law, part, medium_, active) / std::sqrt(speed)), active, packed_part,
-               active.has<Effect::pillow>() ? pillow.factor * directed : 0.0);
+  task.law = resolved(BodyLaw(law, body, directed, active, layer), active, packed_part, kappa * directed);
   task.flow = result.relative.cast<float>();
   task.gradient = (result.size / speed * flow_.gradient()).cast<float>();
   task.varies = flow_.varies() || task.law.viscous;
