@@ -267,11 +267,12 @@ Fit fit_pillow(const std::vector<const CaseRecord*>& cases, const NamedModel& la
 
 namespace {
 
-/// A law with parameters to fit, and the cases it is fitted to.
+/// A law with parameters to fit; or those of all classes, in one model.
 struct ClassLaw {
   std::string name;
   std::vector<Parameter> parameters;
-  std::function<dragcore::Law(const double*)> law;
+  std::function<dragcore::Model(const double*)> model;
+  bool viscous = false;  ///< at the Reynolds number of each case
 };
 
 Fit fit_class_law(const ClassLaw& wanted, const std::vector<const CaseRecord*>& cases) {
@@ -279,7 +280,7 @@ Fit fit_class_law(const ClassLaw& wanted, const std::vector<const CaseRecord*>& 
     dragcore::Motion motion;
     const dragcore::Surface* surface;
     Eigen::Vector3d reference;
-    double scale, weight;
+    double scale, weight, viscosity;
   };
   std::map<std::string, dragcore::Surface> surfaces;
   std::vector<Prepared> prepared;
@@ -292,6 +293,7 @@ Fit fit_class_law(const ClassLaw& wanted, const std::vector<const CaseRecord*>& 
     if (!surfaces.contains(key)) surfaces.emplace(key, surface_of(record->shape, flat ? 2 : 12));
     const Eigen::Matrix3d to_wind = record->pose.rotation();
     Prepared one{.surface = &surfaces.at(key)};
+    one.viscosity = wanted.viscous ? record->viscosity : 0.0;
     one.motion.wind = to_wind.transpose() * Eigen::Vector3d(record->speed, 0.0, 0.0);
     one.scale = coefficient_scales(*record)[0] / record->density;
     one.reference = to_wind.transpose() * record->load.force() / coefficient_scales(*record)[0];
@@ -300,23 +302,24 @@ Fit fit_class_law(const ClassLaw& wanted, const std::vector<const CaseRecord*>& 
     prepared.push_back(one);
     problem.cases.insert(problem.cases.end(), 3, record);
   }
-  const auto errors_of = [&prepared](std::size_t i, const dragcore::Law& law) -> Eigen::Vector3d {
+  const auto errors_of = [&prepared](std::size_t i, const dragcore::Model& model) -> Eigen::Vector3d {
     const Prepared& one = prepared[i];
-    return one.weight * (wrench(*one.surface, one.motion, {.density = 1.0}, {.law = law}).total().force / one.scale - one.reference);
+    const dragcore::Medium medium{.density = 1.0, .viscosity = one.viscosity};
+    return one.weight * (wrench(*one.surface, one.motion, medium, model).total().force / one.scale - one.reference);
   };
-  problem.residual = [&](std::size_t i, const double* k) { return errors_of(i / 3, wanted.law(k))[static_cast<Eigen::Index>(i % 3)]; };
+  problem.residual = [&](std::size_t i, const double* k) { return errors_of(i / 3, wanted.model(k))[static_cast<Eigen::Index>(i % 3)]; };
   problem.residuals = [&](const std::vector<std::size_t>& subset, const double* k, double* out) {
-    const dragcore::Law law = wanted.law(k);
+    const dragcore::Model model = wanted.model(k);
     Eigen::Vector3d errors;
     for (std::size_t j = 0; j < subset.size(); ++j) {  // the three channels of a case follow each other
-      if (subset[j] % 3 == 0) errors = errors_of(subset[j] / 3, law);
+      if (subset[j] % 3 == 0) errors = errors_of(subset[j] / 3, model);
       out[j] = errors[static_cast<Eigen::Index>(subset[j] % 3)];
     }
   };
   Fit result = fit(problem, "law " + wanted.name, "force vector");
   std::vector<double> best;  // three decimals: intervals are wider, and people read them
   for (const Estimate& estimate : result.estimates) best.push_back(std::round(1e3 * estimate.value) / 1e3);
-  result.model.law = wanted.law(best.data());
+  result.model = wanted.model(best.data());
   return result;
 }
 
@@ -333,10 +336,10 @@ Calibration calibrate_class_laws(const std::vector<CaseRecord>& records) {
   // The difference quotient of the fit must not step over a bound of the law itself: hence 1e-4 instead of 0.
   const ClassLaw sheet{.name = "sheet",
                        .parameters = {{"windward c", 0.0, 4.0, 2.0, 2.0, 1.9}, {"windward c^2", -3.0, 3.0, -1.0, -1.0, -0.5}},
-                       .law = [](const double* k) {
+                       .model = [](const double* k) {
                          dragcore::Law law = dragcore::sheet_law();
                          law.windward = {0.0, k[0], k[1], 0.0, 0.0};
-                         return law;
+                         return dragcore::Model{.law = law};
                        }};
   const ClassLaw other{.name = "closed",
                        .parameters = {{"windward scale", 1e-4, 3.0, 1.0, 1.0, 0.8},
@@ -344,14 +347,14 @@ Calibration calibrate_class_laws(const std::vector<CaseRecord>& records) {
                                       {"recovery_depth", 0.05, 20.0, 20.0, 20.0, 1.0},
                                       {"shelter", 1e-4, 10.0, 1e-4, 1e-4, 1.4},
                                       {"curvature", 1e-4, 5.0, 1e-4, 1e-4, 1.0}},
-                       .law = [](const double* k) {
+                       .model = [](const double* k) {
                          dragcore::Law law = dragcore::closed_law();
                          law.windward = {0.0, 0.0, 2.0 * k[0], -k[0], 0.0};
                          law.base_suction = k[1];
                          law.recovery_depth = k[2];
                          law.shelter = k[3];
                          law.curvature = k[4];
-                         return law;
+                         return dragcore::Model{.law = law};
                        }};
   Calibration calibration;
   for (const auto& [law, cases] : {std::pair(&sheet, &sheets), std::pair(&other, &closed)}) {
@@ -361,6 +364,34 @@ Calibration calibrate_class_laws(const std::vector<CaseRecord>& records) {
                                   " are needed; solve more of the matrix `reference`");
     calibration.fits.push_back(fit_class_law(*law, *cases));
   }
+  return calibration;
+}
+
+Calibration calibrate_viscous_terms(const std::vector<CaseRecord>& records, bool with_held_out) {
+  const ClassLaw viscous{.name = "viscous terms",
+                         .parameters = {{"layer", 1e-4, 5.0, 1e-4, 1e-4, 0.75}, {"layer_curvature", 1e-4, 10.0, 1e-4, 1e-4, 1.4}},
+                         .model =
+                             [](const double* k) {
+                               const auto with_terms = [k](dragcore::Law law) {
+                                 law.stokes = 1.0, law.layer = k[0], law.layer_curvature = k[1];
+                                 return law;
+                               };
+                               return dragcore::Model{.law = with_terms(dragcore::closed_law()),
+                                                      .sheets = dragcore::SheetModel{.law = with_terms(dragcore::sheet_law())}};
+                             },
+                         .viscous = true};
+  std::vector<const CaseRecord*> cases;
+  for (const CaseOfRecord& chosen : cases_of_record(records)) {
+    const CaseRecord& record = *chosen.family.record;
+    if (is_usable(record.status) && (with_held_out || !record.held_out) && record.reynolds < 200.0 && record.viscosity > 0.0) cases.push_back(&record);
+  }
+  if (cases.size() < 4)
+    throw std::invalid_argument("calibrate: " + std::to_string(cases.size()) +
+                                " usable cases below Re 200" + (with_held_out ? "" : " that are not held out") +
+                                ", but at least 4 are needed; solve more of the matrix `reference`" +
+                                (with_held_out ? "" : ", or take those held out, too: --with-held-out"));
+  Calibration calibration;
+  calibration.fits.push_back(fit_class_law(viscous, cases));
   return calibration;
 }
 

@@ -79,17 +79,20 @@ dragcore::Motion motion_of(const case_record::CaseRecord& record) {
   return motion;
 }
 
+dragcore::Medium medium_of(const case_record::CaseRecord& record) {
+  return {.density = record.density, .viscosity = record.density * record.viscosity};
+}
+
 dragcore::Validity validity(const case_record::CaseRecord& record) {
   // Class, extents and size of a round body are the same on few triangles, and found in a fraction of the time.
   const dragcore::Surface& surface = prepared_surface(record.shape, std::min(8, default_divisions(record.shape)));
-  return dragcore::validity(surface, motion_of(record), {.density = record.density}, dragcore::model_for(surface),
-                            record.density * record.viscosity);
+  return dragcore::validity(surface, motion_of(record), medium_of(record), dragcore::model_for(surface));
 }
 
 dragcore::WrenchByTerm predict(const case_record::CaseRecord& record, const ModelChoice& choice, int divisions) {
   const dragcore::Surface& surface = prepared_surface(record.shape, divisions > 0 ? divisions : default_divisions(record.shape));
   const Eigen::Matrix3d to_wind = record.pose.rotation();
-  dragcore::WrenchByTerm wrench = dragcore::wrench(surface, motion_of(record), {.density = record.density}, choice.on(surface));
+  dragcore::WrenchByTerm wrench = dragcore::wrench(surface, motion_of(record), medium_of(record), choice.on(surface));
   for (dragcore::Wrench& term : wrench.terms) term = {to_wind * term.force, to_wind * term.torque};
   return wrench;
 }

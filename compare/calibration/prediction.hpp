@@ -23,6 +23,9 @@ const dragcore::Surface& prepared_surface(const dragcore::Shape& shape, int divi
 /// Of a case, body frame: the wind of its pose, unless the air is still, and its spin.
 dragcore::Motion motion_of(const case_record::CaseRecord& record);
 
+/// With the case's viscosity: the law at its Reynolds number.
+dragcore::Medium medium_of(const case_record::CaseRecord& record);
+
 /// One model for every body, or the law that suits the class of each (dragcore::law_for), with one pillow for all or that of the class.
 struct ModelChoice {
   dragcore::Model model{};

@@ -91,7 +91,23 @@ std::map<std::string, std::string> provenance(const compare::Fit& fit) {
                fmt::format("fitted {:.3f}, left-out pose {:.3f}, left-out shape {}; the {} law {:.3f}", all.in_sample, all.left_out_pose,
                            std::isnan(all.left_out_shape) ? "not known: one shape" : fmt::format("{:.3f}", all.left_out_shape),
                            fit.model.law.name == "sheet" ? "consistent" : "note's", all.note)},
-          {"validity", fit.model.law.name == "sheet" ? "thin plates and discs; Re >= 1e4" : "closed convex bodies; Re >= 1e4"}};
+          {"validity", fit.model.law.name == "sheet" ? "thin plates and discs; Re >= 1e4, and below where the viscosity is known"
+                                                     : "closed convex bodies; Re 1e4 to 2e5, and below where the viscosity is known: 10 to "
+                                                       "40 % too draggy between Re 200 and 1e4"}};
+}
+
+std::string viscous_provenance(const compare::Fit& fit) {
+  const compare::FitErrors& all = fit.errors.front();
+  return fmt::format(
+      "layer and layer_curvature fitted to force vectors of {} cases of results/reference.h5 below Re 200 by "
+      "dragval calibrate --viscous --write dragcore/laws; rms relative error of the force: fitted {:.3f}, left-out pose {:.3f}, "
+      "left-out shape {:.3f}; stokes is exact for ellipsoids as Re -> 0",
+      fit.cases.size(), all.in_sample, all.left_out_pose, all.left_out_shape);
+}
+
+/// What a folder has of a law already, or the built-in one.
+dragcore::LawFile law_on_file(const std::filesystem::path& file, const dragcore::Law& otherwise) {
+  return std::filesystem::exists(file) ? dragcore::read_law(file) : dragcore::LawFile{otherwise, {}};
 }
 
 }  // namespace
@@ -99,7 +115,7 @@ std::map<std::string, std::string> provenance(const compare::Fit& fit) {
 void add_calibrate(CLI::App& app, Context&) {
   struct Options {
     SourceOptions source;
-    bool json = false, class_laws = false;
+    bool json = false, class_laws = false, viscous = false, with_held_out = false;
     std::string write;
   };
   const auto options = std::make_shared<Options>();
@@ -108,25 +124,45 @@ void add_calibrate(CLI::App& app, Context&) {
   add_source_options(*command, options->source);
   command->add_flag("--json", options->json, "Print JSON");
   command->add_flag("--class-laws", options->class_laws, "Fit the laws by class, sheet and closed, to the force vector instead (a minute)");
-  command->add_option("--write", options->write, "With --class-laws: folder for sheet.toml and closed.toml with what was found");
+  command->add_flag("--viscous", options->viscous, "Fit the viscous terms of both laws by class to the force vectors below Re 200 instead");
+  command->add_flag("--with-held-out", options->with_held_out, "With --viscous: fit to cases that are marked held_out, too");
+  command->add_option("--write", options->write, "With --class-laws or --viscous: folder for sheet.toml and closed.toml with what was found");
   command->callback([options] {
-    if (!options->write.empty() && !options->class_laws) throw UsageError("--write belongs to --class-laws");
+    if (options->class_laws && options->viscous) throw UsageError("--class-laws and --viscous are two fits: one after the other");
+    if (options->with_held_out && !options->viscous) throw UsageError("--with-held-out belongs to --viscous");
+    if (!options->write.empty() && !options->class_laws && !options->viscous)
+      throw UsageError("--write belongs to --class-laws and --viscous");
     const auto cases = load(options->source).reference.cases;
-    const compare::Calibration calibration = options->class_laws ? compare::calibrate_class_laws(cases) : compare::calibrate(cases);
+    const compare::Calibration calibration = options->class_laws ? compare::calibrate_class_laws(cases)
+                                             : options->viscous ? compare::calibrate_viscous_terms(cases, options->with_held_out)
+                                                                : compare::calibrate(cases);
     if (options->json) {
       std::cout << to_json(calibration).dump(2) << "\n";
     } else {
       print(calibration);
-      options->class_laws ? fmt::print(
+      options->class_laws || options->viscous ? fmt::print(
                                 "Force vector: length of the error over the larger of the force and 0.3 q A_ref; uncalibrated and the "
                                 "note's own: the note's law for closed bodies,\nthe consistent law for sheets.\n")
                           : print_legend();
     }
     if (options->write.empty()) return;
     for (const compare::Fit& fit : calibration.fits) {
-      const auto file = std::filesystem::path(options->write) / (fit.model.law.name + ".toml");
-      dragcore::write_law(file, {fit.model.law, provenance(fit)});
-      std::cerr << file.string() << "\n";
+      std::vector<dragcore::Law> laws{fit.model.law};
+      if (fit.model.sheets) laws.push_back(fit.model.sheets->law);
+      for (const dragcore::Law& law : laws) {
+        const auto file = std::filesystem::path(options->write) / (law.name + ".toml");
+        dragcore::LawFile kept = law_on_file(file, law);
+        if (options->viscous) {
+          kept.law.stokes = law.stokes, kept.law.layer = law.layer, kept.law.layer_curvature = law.layer_curvature;
+          kept.provenance["viscous"] = viscous_provenance(fit);
+        } else {
+          std::map<std::string, std::string> found = provenance(fit);
+          found.merge(kept.provenance);  // of the viscous terms
+          kept = {law, found};
+        }
+        dragcore::write_law(file, kept);
+        std::cerr << file.string() << "\n";
+      }
     }
   });
 }

@@ -89,10 +89,11 @@ BakedBody bake(const Surface& surface, const Model& model, const BakeOptions& op
 ///
 /// u is the flow relative to `centre`, omega the spin relative to the air's own turning (half the curl of `wind_gradient`). Value and slope
 /// are those of the model for slow and for fast spin; continuous everywhere, zero where nothing moves. What interpolation would let the
-/// body gain from the air is taken back along the motion: power against a uniform wind is never positive.
+/// body gain from the air is taken back along the motion: power against a uniform wind is never positive. A map is of coefficients that do
+/// not change with speed, as those of a law with viscosity do: so there is none of that.
 ///
-/// @throws std::invalid_argument  a motion with `triangle_wind`; a wind that strains (the symmetric part of `wind_gradient`); density
-///                                negative, or anything not finite
+/// @throws std::invalid_argument  a medium with viscosity; a motion with `triangle_wind`; a wind that strains (the symmetric part of
+///                                `wind_gradient`); density negative, or anything not finite
 /// @accuracy  `error` and `spin_error`: for spin ratios of 0.1, 0.3 and 1 about 0.5, 2 and 10 % of the force (docs/baking.md)
 Wrench wrench(const BakedBody& body, const Motion& motion, const Medium& medium);
 

@@ -43,7 +43,8 @@ struct VertexArray {
 /// force. So what the vertices feel takes energy from their motion through the air and never gives any: the sum of force . (wind -
 /// velocity) over them is not negative.
 ///
-/// What depends on a body as a whole has no meaning while it deforms: pillow, aspect, rear recovery, shelter and curvature.
+/// What depends on a body as a whole has no meaning while it deforms: pillow, aspect, rear recovery, shelter, curvature and the viscous
+/// terms. So a medium whose viscosity is known is refused; the law's constant friction is what there is.
 ///
 /// One object is one piece of cloth: it keeps what a call works with, so two threads may use two objects, not one. Large meshes are shared
 /// out to the threads of the caller's arena (oneTBB, DRAGCORE_THREADS), and their number does not change a bit; nor do AVX2 and AVX-512.

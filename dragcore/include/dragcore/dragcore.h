@@ -42,6 +42,7 @@ typedef struct dragcore_motion {
   /* Wind at the middle of every triangle of the surface, x y z each, in place of the two above; NULL: not used. The steps do not read it
    * [m/s]. */
   const double* triangle_wind;
+  double viscosity; /* of the air, dynamic: 1.8e-5 at 15 C; 0: not known, and no force depends on it: Medium in drag.hpp [Pa s] */
 } dragcore_motion; /* set all of it to zero first */
 
 /* What a piece of surface feels: struct Law in dragcore/law.hpp has the meaning of every number. Start from dragcore_named_law(). */
@@ -54,6 +55,7 @@ typedef struct dragcore_law {
   double recovery, recovery_depth, recovery_edge;
   double shelter;
   double curvature;
+  double stokes, layer, layer_curvature; /* where motion.viscosity is not 0 */
 } dragcore_law;
 
 typedef enum dragcore_pillow {
@@ -69,7 +71,7 @@ typedef enum dragcore_falloff { DRAGCORE_FALLOFF_CIRCULAR = 0, DRAGCORE_FALLOFF_
 /* Of the sum over the triangles: enum class Precision in dragcore/drag.hpp. */
 typedef enum dragcore_precision { DRAGCORE_PRECISION_FULL = 0, DRAGCORE_PRECISION_SINGLE = 1 } dragcore_precision;
 
-#define DRAGCORE_ALL_EFFECTS 511u /* bits of enum Effect in dragcore/effects.hpp */
+#define DRAGCORE_ALL_EFFECTS 1023u /* bits of enum Effect in dragcore/effects.hpp */
 
 typedef struct dragcore_model {
   dragcore_law law;
@@ -84,6 +86,7 @@ typedef struct dragcore_model {
   int sheet_pillow;
   double sheet_pillow_factor;
   int sheet_falloff;
+  double pillow_viscous_gain, sheet_pillow_viscous_gain; /* where motion.viscosity is not 0 */
 } dragcore_model;
 
 typedef struct dragcore_wrench {

@@ -16,9 +16,10 @@ enum class Effect : unsigned {
   pillow = 1u << 6,
   spin = 1u << 7,            ///< velocities of points differ by omega x r
   wind_variation = 1u << 8,  ///< the wind's gradient, or its values per triangle
+  viscous = 1u << 9,         ///< Stokes' resistance and the boundary layer in place of `friction`, where the viscosity is known
 };
 
-inline constexpr unsigned effect_count = 9;
+inline constexpr unsigned effect_count = 10;
 
 /// A set of effects.
 class Effects {

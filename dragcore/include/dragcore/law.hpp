@@ -14,6 +14,11 @@ namespace dragcore {
 ///   leeward  (w < 0):  suction   q (L(c) - B R lambda/(lambda + lambda_0) r(c)),   pulls along +n
 ///   everywhere:        friction  q f |t| along the tangential part of u, t = |u_t|/|u|
 ///
+/// Where the viscosity is known (Medium), two terms of eq. 15 and 16 take the place of f, with Re_l = |u| l/nu, l = sqrt(wetted area/pi):
+///
+///   of the whole part: Stokes' resistance, sigma times that of the ellipsoid of equal second moments, linear in the velocity
+///   everywhere:        friction  q a/sqrt(Re_l) (1 + h(s)) (1 + g chi) |t|,  s = -u.n/|u|,  h = 1.5 s/sqrt(1 + 2.25 s^2)
+///
 /// W and L are polynomials. Pressures count from that of a face parallel to the flow, which closed bodies cannot tell from any other gauge:
 /// so every term vanishes at c = 0 and no force jumps as a face turns edge-on. B is then the suction behind a flat body as felt from the
 /// front, R the share of it that an infinitely deep body recovers. A two-sided sheet has a windward and a leeward side at once. All numbers
@@ -36,6 +41,11 @@ struct Law {
   double recovery_edge = 0.3;   ///< e > 0 of r(c) = c (1 + e)/(c + e)
   double shelter = 0.0;         ///< s >= 0 of S = exp(-s M p(1 - c/k)), k the sharpness of the body's windward side, M = k^4
   double curvature = 0.0;       ///< m >= 0; chi says how much the surface curves along the flow, l(c) = (1 - c^2) 1.2 c/(c + 0.2)
+  double stokes = 0.0;          ///< sigma >= 0; 1: exact for a ball as Re -> 0
+  double layer = 0.0;           ///< a >= 0: friction of the boundary layer
+  double layer_curvature = 0.0;  ///< g >= 0: how much it grows where the surface curves along the flow
+
+  bool viscous() const { return stokes > 0.0 || layer > 0.0; }
 
   bool operator==(const Law&) const = default;
 };
@@ -46,10 +56,10 @@ Law note_law();
 /// The same balance with the work done along the flow, C_N = c (2 - c): docs/model.md, erratum E2.
 Law consistent_law();
 
-/// For thin plates and discs at Re >= 1e4: dragcore/laws/sheet.toml says what it was fitted to.
+/// For thin plates and discs at Re >= 1e4, and below where the viscosity is known: dragcore/laws/sheet.toml says what it was fitted to.
 Law sheet_law();
 
-/// For closed bodies at Re >= 1e4: dragcore/laws/closed.toml says what it was fitted to.
+/// For closed bodies, likewise: dragcore/laws/closed.toml says what it was fitted to.
 Law closed_law();
 
 /// k_w times the note's windward law, and base suction k_b c (2 - c) on leeward faces: the two coefficients that `dragval calibrate` fits

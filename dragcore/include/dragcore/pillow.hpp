@@ -23,10 +23,16 @@ enum class Falloff {
   linear,    ///< f = 1 - factor s; reaches a third of the chord
 };
 
+/// Of kappa of the tilt form: beyond, its falloff would be negative on half of a face.
+inline constexpr double largest_tilt = 1.5;
+
 struct Pillow {
   PillowForm form = PillowForm::none;
-  double factor = 0.0;  ///< the note's alpha in [0, 1], or kappa of the tilt form in [0, 1.5]
+  double factor = 0.0;  ///< the note's alpha in [0, 1], or kappa of the tilt form in [0, largest_tilt]
   Falloff falloff = Falloff::circular;
+  /// Of the tilt form where the viscosity is known and the law has viscous terms: kappa = min(1.5, factor + gain/sqrt(Re_l)), Re_l that of
+  /// the flow at the part's centre (Law). Without a factor there is no pillow, whatever the gain.
+  double viscous_gain = 0.0;
 
   bool operator==(const Pillow&) const = default;
 };

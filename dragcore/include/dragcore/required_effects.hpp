@@ -20,7 +20,7 @@ struct Scene {
   const Wind* wind = nullptr;  ///< instead of, and on top of, `motion.wind`: looked at around `place`; null: the wind is uniform
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< of the surface's centre in the world [m]
   std::optional<MassProperties> body{};             ///< for added mass; empty: not judged
-  double viscosity = 1.8e-5;                        ///< dynamic, of air at 15 C [Pa s]
+  double viscosity = 1.8e-5;                        ///< dynamic, of air at 15 C, to judge low Reynolds numbers where `medium` has none [Pa s]
   double tolerance = 0.01;                          ///< an omission is free to cost this share of the scales of force and torque
 };
 
@@ -49,7 +49,7 @@ struct RequiredEffects {
 /// error of a typical one. Two parts are estimates: the change of a body's descriptors with its spin, and the energy guard (Law), whose
 /// share in ordinary flows is below 1e-3. Several effects left out cost at most the sum of their bounds.
 ///
-/// A free body keeps what brakes the motions it may come to: spin always, friction unless it is within the tolerance of the pressure on the
+/// A free body keeps what brakes the motions it may come to: spin and what is viscous always, friction unless it is within the tolerance of the pressure on the
 /// smallest frontal area (none, of a sheet), and the variation of a wind field.
 ///
 /// Ask once for a kind of body and the range of its motion, not every frame: the question costs several evaluations (docs/model.md), and

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <dragcore/body_class.hpp>
 #include <dragcore/mesh.hpp>
 #include <dragcore/preparation.hpp>
 #include <memory>
+#include <numbers>
 #include <vector>
 
 namespace dragcore {
@@ -25,6 +27,18 @@ struct Patch {
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> outline;
 };
 
+/// How a part resists air so slow that its inertia does not count, Re << 1: as the ellipsoid whose surface has the same second moments
+/// (docs/model.md, eq. 15). Exact for ellipsoids and for thin elliptical discs; a cube within 3 %.
+struct CreepingResistance {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< centroid of the wetted area [m]
+  double wetted = 0.0;                               ///< both sides of sheets [m^2]
+  Eigen::Matrix3d drag = Eigen::Matrix3d::Zero();    ///< force = mu drag u, u at `centre`: 6 pi a for a ball [m]
+  Eigen::Matrix3d turning = Eigen::Matrix3d::Zero();  ///< torque about `centre` = -mu turning omega: 8 pi a^3 [m^3]
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();  ///< of that torque as traction -mu (spread omega) x (r - centre) [1/m]
+
+  double length() const { return std::sqrt(wetted / std::numbers::pi); }  ///< l of the Reynolds number Re_l: a ball's diameter [m]
+};
+
 /// A body or sheet by itself: a shell of the mesh, or several that touch. It has its own class, so its own law, and its own descriptors.
 struct Part {
   BodyClass body_class = BodyClass::sheet;
@@ -33,6 +47,7 @@ struct Part {
   double volume = 0.0;                               ///< of a one-sided body, holes capped flat; 0 of a sheet [m^3]
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< centroid of the area [m]
   double radius = 0.0;                               ///< from `centre` to the farthest corner [m]
+  CreepingResistance creeping{};
 };
 
 /// A mesh prepared once for any number of evaluations. Its members are to be read: what depends on them is made with them, `packed` above
@@ -89,6 +104,7 @@ class Surface {
   using Vertices = std::vector<Eigen::Vector3d>;
   void find_patches(const Triangles& triangles, const Vertices& vertices, const EdgeTable& edges);
   void find_parts();
+  void find_creeping_resistance();
   void find_classes();
   void find_regions(const Triangles& triangles, const EdgeTable& edges);
 };

@@ -25,7 +25,7 @@ enum class Term {
   base_suction,       ///< B, felt on windward faces in the law's gauge
   rear_recovery,      ///< on leeward faces: pushes upstream
   curvature,          ///< suction on windward faces that curve along the flow
-  friction,
+  friction,           ///< and all that is viscous: the boundary layer, and Stokes' resistance with the pressure it has a share of
   count
 };
 

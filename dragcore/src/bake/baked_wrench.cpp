@@ -265,6 +265,9 @@ class Block {
 void check(const BakedBody& body, const Medium& medium) {
   require(body.steady.frequency > 0, "baked wrench: frequency of its map", body.steady.frequency,
           "it must be above 0: make the body by bake(), or read it from a file");
+  require(medium.viscosity == 0.0, "baked wrench: viscosity", medium.viscosity,
+          "it must be 0: a map is of one shape of the force at all speeds, and with viscosity that shape changes with the Reynolds number. "
+          "Take wrench() of the surface where Re is below 1e4");
   require(medium.density >= 0.0 && std::isfinite(medium.density), "baked wrench: density", medium.density,
           "it must be finite and not negative [kg/m^3]");
 }

@@ -12,10 +12,13 @@
 #include <utility>
 
 #include "body/convexity.hpp"
+#include "body/creeping.hpp"
 #include "body/edges.hpp"
 #include "body/extents.hpp"
 #include "body/pack.hpp"
 #include "body/regions.hpp"
+#include "support/triangle_second_moment.hpp"
+
 
 namespace dragcore {
 
@@ -208,6 +211,7 @@ void Surface::build(const Preparation& preparation) {
 
   find_patches(triangles, vertices, edges);
   find_parts();
+  find_creeping_resistance();
   find_regions(triangles, edges);
   find_classes();
   const bool some_two = std::any_of(parts.begin(), parts.end(), [](const Part& p) { return p.two_sided; });
@@ -319,6 +323,28 @@ void Surface::find_parts() {
   for (Part& p : parts) {
     if (!(p.volume > 1e-9 * std::pow(p.area, 1.5))) p.volume = 0.0;
     volume += p.volume;
+  }
+}
+
+/// First and second moments of the wetted area, about a point of the part.
+void Surface::find_creeping_resistance() {
+  std::vector<Vector3d> first(parts.size(), Vector3d::Zero());
+  std::vector<Matrix3d> second(parts.size(), Matrix3d::Zero());
+  for (Eigen::Index i = 0; i < size(); ++i) {
+    const auto p = static_cast<std::size_t>(part[static_cast<std::size_t>(i)]);
+    const double wetted = area[i] * (1.0 + back[i]);
+    const Vector3d arm = centroid.row(i).matrix().transpose() - parts[p].centre;
+    parts[p].creeping.wetted += wetted;
+    first[p] += wetted * arm;
+    second[p] += wetted * (arm * arm.transpose() +
+                           triangle_second_moment(Vector3d(edge_ab.row(i).matrix()), Vector3d(edge_ac.row(i).matrix())));
+  }
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    CreepingResistance& creeping = parts[p].creeping;
+    if (!(creeping.wetted > 0.0)) continue;
+    const Vector3d off = first[p] / creeping.wetted;
+    creeping.centre = parts[p].centre + off;
+    dragcore::find_creeping_resistance(second[p] / creeping.wetted - off * off.transpose(), creeping);
   }
 }
 

@@ -60,7 +60,7 @@ dragcore_status dragcore_baked_wrench(const dragcore_baked* baked, const dragcor
     require(baked, "baked");
     require(motion, "motion");
     require(result, "result");
-    const dragcore::Wrench total = dragcore::wrench(baked->body, motion_for_map(*motion), {.density = density});
+    const dragcore::Wrench total = dragcore::wrench(baked->body, motion_for_map(*motion), medium_of(density, *motion));
     copy(total.force, result->force);
     copy(total.torque, result->torque);
   });
@@ -71,7 +71,7 @@ dragcore_status dragcore_baked_resistance(const dragcore_baked* baked, const dra
     require(baked, "baked");
     require(motion, "motion");
     require(matrix, "matrix");
-    const dragcore::Matrix6d s = dragcore::resistance(baked->body, motion_for_map(*motion), {.density = density});
+    const dragcore::Matrix6d s = dragcore::resistance(baked->body, motion_for_map(*motion), medium_of(density, *motion));
     std::copy(s.data(), s.data() + 36, matrix);  // symmetric: rows are columns
   });
 }

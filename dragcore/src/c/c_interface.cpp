@@ -20,6 +20,8 @@ void copy_numbers(const From& from, To& to) {
   to.recovery = from.recovery, to.recovery_depth = from.recovery_depth, to.recovery_edge = from.recovery_edge;
   to.shelter = from.shelter;
   to.curvature = from.curvature;
+  to.stokes = from.stokes;
+  to.layer = from.layer, to.layer_curvature = from.layer_curvature;
 }
 
 dragcore_law law_from(const dragcore::Law& law) {
@@ -41,15 +43,17 @@ dragcore_model model_from(const dragcore::Model& model) {
           .sheet_law = law_from(sheets.law),
           .sheet_pillow = static_cast<int>(sheets.pillow.form),
           .sheet_pillow_factor = sheets.pillow.factor,
-          .sheet_falloff = static_cast<int>(sheets.pillow.falloff)};
+          .sheet_falloff = static_cast<int>(sheets.pillow.falloff),
+          .pillow_viscous_gain = model.pillow.viscous_gain,
+          .sheet_pillow_viscous_gain = sheets.pillow.viscous_gain};
 }
 
-dragcore::Pillow pillow_of(int form, double factor, int falloff) {
+dragcore::Pillow pillow_of(int form, double factor, int falloff, double viscous_gain) {
   if (form < DRAGCORE_PILLOW_NONE || form > DRAGCORE_PILLOW_ECCENTRICITY)
     throw std::invalid_argument("pillow = " + std::to_string(form) + ", but it must be one of enum dragcore_pillow, 0 to 4");
   if (falloff != DRAGCORE_FALLOFF_CIRCULAR && falloff != DRAGCORE_FALLOFF_LINEAR)
     throw std::invalid_argument("falloff = " + std::to_string(falloff) + ", but it must be one of enum dragcore_falloff, 0 or 1");
-  return {static_cast<dragcore::PillowForm>(form), factor, static_cast<dragcore::Falloff>(falloff)};
+  return {static_cast<dragcore::PillowForm>(form), factor, static_cast<dragcore::Falloff>(falloff), viscous_gain};
 }
 
 dragcore::Wrench wrench_of(const dragcore_wrench& w) { return {vector(w.force), vector(w.torque)}; }
@@ -108,11 +112,13 @@ Model model_of(const dragcore_model& m) {
   if (m.effects > DRAGCORE_ALL_EFFECTS)
     throw std::invalid_argument("effects = " + std::to_string(m.effects) + ", but it must be DRAGCORE_ALL_EFFECTS or some of its bits");
   dragcore::Model model{.law = law_of(m.law),
-                        .pillow = pillow_of(m.pillow, m.pillow_factor, m.falloff),
+                        .pillow = pillow_of(m.pillow, m.pillow_factor, m.falloff, m.pillow_viscous_gain),
                         .quadrature = static_cast<dragcore::Quadrature>(m.quadrature),
                         .effects = {},
                         .precision = static_cast<dragcore::Precision>(m.precision)};
-  if (m.sheets) model.sheets = dragcore::SheetModel{law_of(m.sheet_law), pillow_of(m.sheet_pillow, m.sheet_pillow_factor, m.sheet_falloff)};
+  if (m.sheets)
+    model.sheets = dragcore::SheetModel{
+        law_of(m.sheet_law), pillow_of(m.sheet_pillow, m.sheet_pillow_factor, m.sheet_falloff, m.sheet_pillow_viscous_gain)};
   for (unsigned bit = 1; bit < DRAGCORE_ALL_EFFECTS; bit <<= 1)
     if (m.effects & bit) model.effects = model.effects | static_cast<dragcore::Effect>(bit);
   return model;
@@ -189,7 +195,7 @@ dragcore_status dragcore_evaluate(const dragcore_surface* surface, const dragcor
     require(model, "model");
     require(result, "result");
     const dragcore::Wrench total =
-        dragcore::wrench(surface->surface, MotionOf(*motion, surface->surface).motion, {.density = density}, model_of(*model)).total();
+        dragcore::wrench(surface->surface, MotionOf(*motion, surface->surface).motion, medium_of(density, *motion), model_of(*model)).total();
     copy(total.force, result->force);
     copy(total.torque, result->torque);
   });
@@ -203,7 +209,7 @@ dragcore_status dragcore_resistance(const dragcore_surface* surface, const dragc
     require(model, "model");
     require(matrix, "matrix");
     const dragcore::Matrix6d s =
-        dragcore::resistance(surface->surface, MotionOf(*motion, surface->surface).motion, {.density = density}, model_of(*model));
+        dragcore::resistance(surface->surface, MotionOf(*motion, surface->surface).motion, medium_of(density, *motion), model_of(*model));
     std::copy(s.data(), s.data() + 36, matrix);  // symmetric: rows are columns
   });
 }
@@ -216,7 +222,7 @@ dragcore_status dragcore_force_jacobian(const dragcore_surface* surface, const d
     require(model, "model");
     require(matrix, "matrix");
     Eigen::Map<RowMajor6d>{matrix} =
-        dragcore::force_jacobian(surface->surface, MotionOf(*motion, surface->surface).motion, {.density = density}, model_of(*model));
+        dragcore::force_jacobian(surface->surface, MotionOf(*motion, surface->surface).motion, medium_of(density, *motion), model_of(*model));
   });
 }
 

@@ -97,6 +97,8 @@ inline Motion motion_of(const dragcore_motion& m) {
           {}};
 }
 
+inline Medium medium_of(double density, const dragcore_motion& m) { return {.density = density, .viscosity = m.viscosity}; }
+
 /// A motion with the wind per triangle, which it owns.
 struct MotionOf {
   MotionOf(const dragcore_motion& m, const Surface& surface) : motion(motion_of(m)) {

@@ -1,6 +1,8 @@
 #include <deque>
 #include <dragcore/batch.hpp>
 #include <map>
+#include <stdexcept>
+#include <string>
 
 #include "c/handles.hpp"
 
@@ -34,6 +36,17 @@ Motion motion_in(std::deque<MotionOf>& winds, const Body& body) {
   return winds.emplace_back(body.motion, body.surface->surface).motion;
 }
 
+/// Of all bodies.
+template <class Body>
+Medium medium_of_all(double density, const Body* bodies, size_t count) {
+  for (size_t i = 1; i < count; ++i)
+    if (bodies[i].motion.viscosity != bodies[0].motion.viscosity)
+      throw std::invalid_argument("motion.viscosity of body " + std::to_string(i) + " = " + std::to_string(bodies[i].motion.viscosity) +
+                                  ", but it must be that of body 0, " + std::to_string(bodies[0].motion.viscosity) +
+                                  ": all bodies of a call are in one medium");
+  return medium_of(density, bodies[0].motion);
+}
+
 }  // namespace
 
 }  // namespace dragcore::c
@@ -55,7 +68,7 @@ dragcore_status dragcore_evaluate_many(const dragcore_body_in_flow* bodies, size
       given[i] = {&bodies[i].surface->surface, model(bodies[i].model, "model"), motion_in(winds, bodies[i])};
     }
     std::vector<dragcore::Wrench> found(count);
-    dragcore::wrenches(given, {.density = density}, found);
+    dragcore::wrenches(given, medium_of_all(density, bodies, count), found);
     for (size_t i = 0; i < count; ++i) copy(found[i].force, results[i].force), copy(found[i].torque, results[i].torque);
   });
 }
@@ -78,7 +91,7 @@ dragcore_status dragcore_step_free_bodies(const dragcore_free_body* bodies, size
       given[i].external << vector(bodies[i].external.force), vector(bodies[i].external.torque);
     }
     std::vector<dragcore::Vector6d> found(count);
-    dragcore::step_free_bodies(given, {.density = density}, dt, found);
+    dragcore::step_free_bodies(given, medium_of_all(density, bodies, count), dt, found);
     for (size_t i = 0; i < count; ++i) Eigen::Map<dragcore::Vector6d>{velocities + 6 * i} = found[i];
   });
 }

@@ -37,7 +37,7 @@ dragcore_status dragcore_required_effects(const dragcore_scene* scene, dragcore_
     dragcore::Scene asked{.surface = surface,
                           .motion = given.motion,
                           .free = !scene->held,
-                          .medium = {.density = scene->density},
+                          .medium = medium_of(scene->density, *scene->motion),
                           .model = model_of(*scene->model),
                           .wind = scene->wind ? &scene->wind->wind : nullptr,
                           .place = vector(scene->place)};
@@ -65,9 +65,9 @@ dragcore_status dragcore_diagnose(const dragcore_surface* surface, const dragcor
     if (to_world) {
       dragcore::WorldMotion world{.to_world = Eigen::Map<const RowMajor3d>(to_world)};
       if (world_velocity) world.velocity = vector(world_velocity);
-      found = dragcore::diagnose(surface->surface, given.motion, {.density = density}, world);
+      found = dragcore::diagnose(surface->surface, given.motion, medium_of(density, *motion), world);
     } else {
-      found = dragcore::diagnose(surface->surface, given.motion, {.density = density});
+      found = dragcore::diagnose(surface->surface, given.motion, medium_of(density, *motion));
     }
     *count = found.size();
     std::vector<std::string> lines;

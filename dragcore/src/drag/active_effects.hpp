@@ -12,11 +12,12 @@ class ActiveEffects {
  public:
   ActiveEffects(const Motion& motion, const Model& model) : ActiveEffects(motion, model, model.law, model.pillow) {}
 
-  /// With the law and the pillow of one part.
-  ActiveEffects(const Motion& motion, const Model& model, const Law& law, const Pillow& pillow) {
+  /// With the law and the pillow of one part. In a medium whose viscosity is known, the viscous terms take the place of friction.
+  ActiveEffects(const Motion& motion, const Model& model, const Law& law, const Pillow& pillow, const Medium& medium = {}) {
     const auto any = [](const Law::Polynomial& p) { return std::any_of(p.begin(), p.end(), [](double x) { return x != 0.0; }); };
     set(Effect::leeward_suction, any(law.leeward), model);
-    set(Effect::friction, law.friction != 0.0, model);
+    set(Effect::viscous, medium.viscosity > 0.0 && law.viscous(), model);
+    set(Effect::friction, law.friction != 0.0 && !has<Effect::viscous>(), model);
     set(Effect::base_suction, law.base_suction != 0.0, model);
     set(Effect::recovery, law.base_suction * law.recovery != 0.0, model);
     set(Effect::shelter, law.shelter != 0.0, model);

@@ -22,7 +22,9 @@ inline Curve saturating(double c, double e) { return {c * (1.0 + e) / (c + e), (
 class BodyLaw {
  public:
   /// @param directed  as RelativeFlow has it of the part
-  BodyLaw(const Law& law, const Descriptors& body, double directed, const ActiveEffects& active) : law_(law), active_(active) {
+  /// @param layer     a/sqrt(Re_l) at 1 m/s: layer_scale()
+  BodyLaw(const Law& law, const Descriptors& body, double directed, const ActiveEffects& active, double layer = 0.0)
+      : law_(law), active_(active), layer_(layer) {
     const bool aspect = active.has<Effect::base_suction>() && law.aspect_gain != 0.0;
     if (aspect)
       aspect_factor_ +=
@@ -84,19 +86,28 @@ class BodyLaw {
     }
   }
 
+  /// Friction of the boundary layer on the side of a normal, eq. 16, in a flow of 1 m/s; it goes with the root of the Reynolds number.
+  /// @param s    -u.n/|u|; the derivative is by it
+  /// @param chi  how much that side curves along the flow
+  Curve layer(double s, double chi) const {
+    const double steep = 1.0 / std::sqrt(1.0 + 2.25 * s * s), here = layer_ * (1.0 + law_.layer_curvature * chi);
+    return {here * (1.0 + 1.5 * s * steep), here * 1.5 * steep * steep * steep};
+  }
+
   // What the flow and the body made of the law's numbers.
   double base_suction() const { return active_.has<Effect::base_suction>() ? law_.base_suction * aspect_factor_ : 0.0; }
   double shelter_rate() const { return sharpness_ > 0.0 ? shelter_ : 0.0; }
   double sharpness() const { return sharpness_; }
   double push() const { return push_; }
   const Law& law() const { return law_; }
+  double layer_scale() const { return active_.has<Effect::viscous>() ? layer_ : 0.0; }
   double friction() const { return active_.has<Effect::friction>() ? law_.friction : 0.0; }
   bool feels_leeward() const { return active_.has<Effect::leeward_suction>() || (active_.has<Effect::recovery>() && push_ > 0.0); }
 
  private:
   const Law& law_;
   ActiveEffects active_;
-  double aspect_factor_ = 1.0, push_ = 0.0, shelter_ = 0.0, sharpness_ = 0.0;
+  double layer_ = 0.0, aspect_factor_ = 1.0, push_ = 0.0, shelter_ = 0.0, sharpness_ = 0.0;
 };
 
 }  // namespace dragcore

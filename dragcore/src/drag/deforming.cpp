@@ -44,6 +44,8 @@ DeformingLaw deforming_law(const Law& law, bool two_sided, const Medium& medium)
   check_law(law);
   require(medium.density >= 0.0 && medium.density < 1e100, "DeformingMesh: density", medium.density,
           "it must be finite and not negative [kg/m^3]");
+  require(medium.viscosity == 0.0, "DeformingMesh: viscosity", medium.viscosity,
+          "it must be 0: what viscosity does depends on a body that keeps its shape, and cloth has the law's constant friction instead");
   return {BodyLaw(law, {}, 0.0, ActiveEffects({}, {}, law, {})), two_sided, medium.density};
 }
 

@@ -9,6 +9,7 @@
 #include "drag/fast_wrench.hpp"
 #include "drag/folded_model.hpp"
 #include "support/require.hpp"
+#include "support/triangle_second_moment.hpp"
 
 namespace dragcore {
 
@@ -31,9 +32,11 @@ void check(const Vector3d& v, const char* name) {
 
 void check_model(const Model& model) {
   const auto check_pillow = [](const Pillow& pillow) {
-    const double largest = pillow.form == PillowForm::tilt ? 1.5 : 1.0;  // beyond, the tilt falloff would be negative on half the face
+    const double largest = pillow.form == PillowForm::tilt ? largest_tilt : 1.0;
     require(pillow.factor >= 0.0 && pillow.factor <= largest, "wrench: pillow factor", pillow.factor,
             [&] { return "the form '" + to_string(pillow.form) + "' takes 0 to " + std::to_string(largest); });
+    require(pillow.viscous_gain >= 0.0 && pillow.viscous_gain < 1e6, "wrench: viscous gain of the pillow", pillow.viscous_gain,
+            "it must be from 0 to 1e6");
   };
   check_pillow(model.pillow);
   const int points = static_cast<int>(model.quadrature);
@@ -49,8 +52,9 @@ void check_input(const Motion& motion, const Medium& medium, const Model& model)
   if (!model.check) return;
   // At first all at once; one by one to say which is wrong.
   const double size = motion.wind.cwiseAbs().sum() + motion.velocity.cwiseAbs().sum() + motion.angular_velocity.cwiseAbs().sum() +
-                      motion.reference_point.cwiseAbs().sum() + motion.wind_gradient.cwiseAbs().sum() + std::abs(medium.density);
-  if (!(size < 1e100 && medium.density >= 0.0)) {
+                      motion.reference_point.cwiseAbs().sum() + motion.wind_gradient.cwiseAbs().sum() + std::abs(medium.density) +
+                      std::abs(medium.viscosity);
+  if (!(size < 1e100 && medium.density >= 0.0 && medium.viscosity >= 0.0)) {
     check(motion.wind, "wind");
     check(motion.velocity, "velocity");
     check(motion.angular_velocity, "angular_velocity");
@@ -59,6 +63,8 @@ void check_input(const Motion& motion, const Medium& medium, const Model& model)
       for (Eigen::Index j = 0; j < 3; ++j) check(motion.wind_gradient.col(j), "wind_gradient column");
     require(medium.density >= 0.0 && medium.density < 1e100, "wrench: density", medium.density,
             "it must be finite and not negative [kg/m^3]");
+    require(medium.viscosity >= 0.0 && medium.viscosity < 1e100, "wrench: viscosity", medium.viscosity,
+            "it must be finite and not negative, or 0 where it is not known [Pa s]");
   }
   for (const Vector3d& wind : motion.triangle_wind) check(wind, "triangle_wind entry");
   if (!FoldedModel::of(model).valid) check_model(model);
@@ -117,11 +123,15 @@ std::string to_string(Effect effect) {
       return "spin";
     case Effect::wind_variation:
       return "wind variation";
+    case Effect::viscous:
+      return "viscous terms";
   }
   throw std::invalid_argument("not an effect");
 }
 
-Pillow class_pillow(BodyClass body_class) { return {PillowForm::tilt, body_class == BodyClass::sheet ? 0.86 : 0.5}; }
+Pillow class_pillow(BodyClass body_class) {
+  return {.form = PillowForm::tilt, .factor = body_class == BodyClass::sheet ? 0.86 : 0.5, .viscous_gain = 5.9};
+}
 
 Model model_for(const Surface& surface) {
   const auto has = [&](bool sheet) {
@@ -144,6 +154,10 @@ WrenchByTerm full_wrench(const Surface& surface, const Motion& motion, const Med
     balance.add(local);
     const Vector3d force = local.force();
     (local.coefficient.value < 0.0 ? given : taken)[local.term] += {force, local.place.cross(force)};
+  });
+  for_each_creeping_flow(surface, motion, medium, model, [&](const Part& part, const CreepingFlow& creeping) {
+    balance.add(creeping.power(part), 0.0);
+    taken[Term::friction] += creeping.wrench(part);
   });
   if (balance.has_gain()) {
     const double share = balance.gain_share();
@@ -174,6 +188,20 @@ TriangleForces triangle_forces(const Surface& surface, const Motion& motion, con
     auto column = (local.coefficient.value < 0.0 ? given : taken).col(local.triangle);
     column.head<3>() += force;
     column.tail<3>() += local.place.cross(force);
+  });
+  for_each_creeping_flow(surface, motion, medium, model, [&](const Part& part, const CreepingFlow& creeping) {
+    balance.add(creeping.power(part), 0.0);
+    for (Eigen::Index i = 0; i < surface.size(); ++i) {
+      if (&surface.parts[RelativeFlow::part_of(surface, i)] != &part) continue;
+      // The traction is linear in place: its moment about the triangle's centroid is that of the spread alone.
+      const Vector3d r = surface.centroid.row(i).matrix().transpose() - part.creeping.centre;
+      const Vector3d spin = -creeping.viscosity * part.creeping.spread * creeping.turning;
+      const Eigen::Matrix3d second = triangle_second_moment(Vector3d(surface.edge_ab.row(i).matrix()), Vector3d(surface.edge_ac.row(i).matrix()));
+      const double wetted = surface.area[i] * (1.0 + surface.back[i]);
+      const Vector3d force = wetted * creeping.traction(part, r);
+      taken.col(i).head<3>() += force;
+      taken.col(i).tail<3>() += (creeping.arm + r).cross(force) + wetted * (second.trace() * spin - second * spin);
+    }
   });
   if (balance.has_gain()) taken += balance.gain_share() * given;
   check_result(taken.allFinite(), model);

@@ -28,7 +28,7 @@ bool fits(const Law& law) {
   const auto usable = [](double x) { return std::abs(x) < 1e30; };
   const auto divides = [](double x) { return x > 1e-10 && x < 1e10; };
   return std::all_of(law.windward.begin(), law.windward.end(), usable) && std::all_of(law.leeward.begin(), law.leeward.end(), usable) &&
-         usable(law.friction) && usable(law.base_suction) && usable(law.shelter) && usable(law.curvature) && divides(law.base_edge) &&
+         usable(law.friction) && usable(law.base_suction) && usable(law.shelter) && usable(law.curvature) && usable(law.layer * (1.0 + law.layer_curvature)) && divides(law.base_edge) &&
          divides(law.recovery_edge);
 }
 
@@ -42,13 +42,14 @@ bool in_kernels(const Law& law, const Pillow& pillow, Effects effects) {
 
 /// All numbers of a law but its name, which lie together.
 bool same_numbers(const Law& a, const Law& b) {
-  constexpr std::size_t count = 2 * std::tuple_size_v<Law::Polynomial> + 10;
+  constexpr std::size_t count = 2 * std::tuple_size_v<Law::Polynomial> + 13;
   static_assert(sizeof(Law) == sizeof(std::string) + count * sizeof(double));
   return std::memcmp(&a.windward, &b.windward, count * sizeof(double)) == 0;
 }
 bool same(const Law& law, const Pillow& pillow, const Law& other_law, const Pillow& other_pillow) {
   return same_numbers(law, other_law) && pillow.form == other_pillow.form && pillow.falloff == other_pillow.falloff &&
-         std::memcmp(&pillow.factor, &other_pillow.factor, sizeof(double)) == 0;
+         std::memcmp(&pillow.factor, &other_pillow.factor, sizeof(double)) == 0 &&
+         std::memcmp(&pillow.viscous_gain, &other_pillow.viscous_gain, sizeof(double)) == 0;
 }
 bool same(const Model& a, const Model& b) {
   return a.quadrature == b.quadrature && a.effects == b.effects && same(a.law, a.pillow, b.law, b.pillow) &&

@@ -12,7 +12,7 @@ Law note_law() { return {.name = "note", .windward = {0.0, 0.0, 2.0, -1.0, 0.0}}
 
 Law consistent_law() { return {.name = "consistent", .windward = {0.0, 2.0, -1.0, 0.0, 0.0}}; }
 
-Law sheet_law() { return {.name = "sheet", .windward = {0.0, 2.016, -0.83, 0.0, 0.0}, .friction = 0.0025}; }
+Law sheet_law() { return {.name = "sheet", .windward = {0.0, 2.016, -0.83, 0.0, 0.0}, .friction = 0.0025, .stokes = 1.0, .layer = 0.75, .layer_curvature = 1.4}; }
 
 Law closed_law() {
   return {.name = "closed",
@@ -22,7 +22,10 @@ Law closed_law() {
           .recovery = 1.0,
           .recovery_depth = 0.626,
           .shelter = 1.698,
-          .curvature = 0.819};
+          .curvature = 0.819,
+          .stokes = 1.0,
+          .layer = 0.75,
+          .layer_curvature = 1.4};
 }
 
 Law scaled_law(double windward_scale, double base_suction) {
@@ -64,6 +67,9 @@ void validate(const Law& law) {
   positive("recovery_edge", law.recovery_edge);
   at_least_zero("shelter", law.shelter);
   at_least_zero("curvature", law.curvature);
+  at_least_zero("stokes", law.stokes);
+  at_least_zero("layer", law.layer);
+  at_least_zero("layer_curvature", law.layer_curvature);
 }
 
 double evaluate(const Law::Polynomial& polynomial, double c) {

@@ -9,6 +9,7 @@
 #include "drag/body_law.hpp"
 #include "drag/pillow_shift.hpp"
 #include "drag/quadrature.hpp"
+#include "drag/viscous.hpp"
 
 namespace dragcore {
 
@@ -23,6 +24,7 @@ struct LocalForce {
   double c;                ///< |u.n| / |u|, in (0, 1]
   double half_rho_area;    ///< rho dA / 2
   Curve coefficient;       ///< of c; negative where it pushes the body through the air
+  double growth = 1.0;     ///< of friction: with which power of the speed it grows, beside the tangential velocity itself
 
   bool is_friction() const { return term == Term::friction; }
   /// Unit vector of a pressure with a positive coefficient: -normal on windward, +normal on leeward surface.
@@ -52,14 +54,15 @@ struct PartModel {
   }
 };
 
-inline std::vector<PartModel> part_models(const Surface& surface, const Motion& motion, const Model& model, const RelativeFlow& flow) {
+inline std::vector<PartModel> part_models(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model,
+                                          const RelativeFlow& flow) {
   const std::size_t count = surface.parts.size();
   std::vector<ActiveEffects> active;
   std::vector<Eigen::Vector3d> directions;
   bool described = false;
   for (std::size_t p = 0; p < count; ++p) {
     const BodyClass body_class = surface.parts[p].body_class;
-    active.emplace_back(motion, model, model.law_of(body_class), model.pillow_of(body_class));
+    active.emplace_back(motion, model, model.law_of(body_class), model.pillow_of(body_class), medium);
     directions.push_back(flow.at_centre(p));
     described = described || BodyLaw::needs_descriptors(model.law_of(body_class), active[p]);
   }
@@ -68,8 +71,10 @@ inline std::vector<PartModel> part_models(const Surface& surface, const Motion& 
   parts.reserve(count);
   for (std::size_t p = 0; p < count; ++p) {
     const BodyClass body_class = surface.parts[p].body_class;
-    PartModel part{.law = BodyLaw(model.law_of(body_class), bodies[p], flow.directed(p), active[p]),
-                   .pillow = PillowShift(surface, p, flow, model.pillow_of(body_class), active[p].has<Effect::pillow>()),
+    const Law& law = model.law_of(body_class);
+    const Pillow pillow = pillow_at(model.pillow_of(body_class), surface.parts[p], directions[p].norm(), medium, active[p]);
+    PartModel part{.law = BodyLaw(law, bodies[p], flow.directed(p), active[p], layer_scale(law, surface.parts[p], medium, active[p])),
+                   .pillow = PillowShift(surface, p, flow, pillow, active[p].has<Effect::pillow>()),
                    .directed = flow.directed(p)};
     if (surface.exposure && flow.directed(p) > 0.0) part.wind_from = surface.exposure->towards(-directions[p]);
     parts.push_back(std::move(part));
@@ -77,7 +82,28 @@ inline std::vector<PartModel> part_models(const Surface& surface, const Motion& 
   return parts;
 }
 
-/// Calls visit(LocalForce) for every contribution, triangle by triangle: the one place where the model walks over a surface.
+/// Friction of the boundary layer on all wetted sides of a triangle, eq. 16, as a function of c. Not for inlining into loops that may do
+/// without it.
+/// @param direction  of the flow, unit
+[[gnu::noinline]] inline Curve layer_of_both_sides(const Surface& surface, Eigen::Index triangle, const BodyLaw& law,
+                                                   const Eigen::Vector3d& direction, double speed) {
+  instrument::count(Effect::viscous);
+  const Eigen::Vector3d normal = surface.normal.row(triangle).matrix();
+  const double back = surface.back[triangle], s = std::max(-1.0, std::min(1.0, -direction.dot(normal)));
+  const auto chi = [&](double side) {
+    return law.law().layer_curvature > 0.0 ? curvature_along(surface, triangle, direction + s * normal, side) : 0.0;
+  };
+  Curve both = law.layer(s, chi(1.0));
+  if (back > 0.0) {
+    const Curve behind = law.layer(-s, chi(-1.0));
+    both = {both.value + back * behind.value, both.slope - back * behind.slope};
+  }
+  // c grows with s on the windward side and falls with it on the leeward one.
+  return Curve{both.value, s > 0.0 ? both.slope : -both.slope} * (1.0 / std::sqrt(speed));
+}
+
+/// Calls visit(LocalForce) for every contribution, triangle by triangle: the one place where the model walks over a surface. Creeping
+/// flow is not among them, which needs no walk: for_each_creeping_flow().
 /// @param every_point  of the model's rule, also where the flow is the same all over a triangle: what a change of spin would do needs them
 template <class Visit>
 void for_each_local_force(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model, Visit&& visit,
@@ -85,7 +111,7 @@ void for_each_local_force(const Surface& surface, const Motion& motion, const Me
   using Eigen::Vector3d;
   const ActiveEffects moving(motion, model);  // spin and wind are of the motion alone
   const RelativeFlow flow(surface, motion, moving);
-  const std::vector<PartModel> parts = part_models(surface, motion, model, flow);
+  const std::vector<PartModel> parts = part_models(surface, motion, medium, model, flow);
 
   for (Eigen::Index i = 0; i < surface.size(); ++i) {
     const PartModel& part = parts[RelativeFlow::part_of(surface, i)];
@@ -121,19 +147,26 @@ void for_each_local_force(const Surface& surface, const Motion& motion, const Me
       };
       feel(r + shift, false);
       if (leeward) feel(r, true);
-      if (const double friction = part.law.friction(); friction > 0.0) {
-        instrument::count(Effect::friction);
+      if (const double friction = part.law.friction(); friction > 0.0 || part.law.layer_scale() > 0.0) {
         const Vector3d u = flow.at(r, i);
-        if (const double speed = u.norm(); speed != 0.0)
-          visit(LocalForce{i,
-                           Term::friction,
-                           r - motion.reference_point,
-                           normal,
-                           u,
-                           speed,
-                           std::min(1.0, std::abs(u.dot(normal)) / speed),
-                           half_rho_area * (1.0 + back),
-                           {friction, 0.0}});
+        if (const double speed = u.norm(); speed != 0.0) {
+          LocalForce rubbed{i,
+                            Term::friction,
+                            r - motion.reference_point,
+                            normal,
+                            u,
+                            speed,
+                            std::min(1.0, std::abs(u.dot(normal)) / speed),
+                            half_rho_area * (1.0 + back),
+                            {friction, 0.0}};
+          if (friction > 0.0) {
+            instrument::count(Effect::friction);
+          } else {
+            rubbed.half_rho_area = half_rho_area;
+            rubbed.coefficient = layer_of_both_sides(surface, i, part.law, u / speed, speed), rubbed.growth = 0.5;
+          }
+          visit(rubbed);
+        }
       }
     };
     const auto at_points = [&](Quadrature order, double share) {

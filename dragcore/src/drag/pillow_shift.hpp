@@ -60,7 +60,7 @@ class PillowShift {
 
   const Surface& surface_;
   const Part& part_;
-  const Pillow& pillow_;
+  Pillow pillow_;
   Eigen::Vector3d u_;
   double directed_;
   bool varies_;

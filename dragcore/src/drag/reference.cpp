@@ -59,7 +59,8 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
   for (std::size_t p = 0; p < surface.parts.size(); ++p) {
     const Part& part = surface.parts[p];
     const Law& law = model.law_of(part.body_class);
-    const Pillow& pillow = model.pillow_of(part.body_class);
+    const bool viscous = medium.viscosity > 0.0 && law.viscous() && model.effects.has(Effect::viscous);
+    const double nu = medium.viscosity / medium.density, l = std::sqrt(part.creeping.wetted / std::numbers::pi);
     // Descriptors of the part in the flow at its centre, and the share of that flow in all of its motion.
     const Vector3d u_centre = u_in(mean_wind(surface.part, static_cast<int>(p)), part.centre);
     const Descriptors body = describe(surface, u_centre, p);
@@ -69,6 +70,10 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
     const double h = 1.0 + directed * law.aspect_gain * aspect2 / (aspect2 + law.aspect_scale * law.aspect_scale);
     const double rear = directed * body.reached * law.recovery * body.depth / (body.depth + law.recovery_depth);
     const double k = body.sharpness;
+    // Eq. 17: the pillow grows as the Reynolds number falls.
+    Pillow pillow = model.pillow_of(part.body_class);
+    if (viscous && pillow.form == PillowForm::tilt && pillow.viscous_gain > 0.0)
+      pillow.factor = std::min(largest_tilt, pillow.factor + pillow.viscous_gain * std::sqrt(nu / (u_centre.norm() * l)));
 
     for (Eigen::Index index = 0; index < surface.size(); ++index) {
       if (surface.part[static_cast<std::size_t>(index)] != static_cast<int>(p)) continue;
@@ -107,6 +112,14 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
         shift *= directed;
       }
 
+      // Eq. 7: how much the side of the normal n curves along t. Hollow seen from the back of a sheet is convex seen from its front.
+      const auto chi = [&](const Vector3d& n, const Vector3d& t) {
+        if (!(t.squaredNorm() > 0.0)) return 0.0;
+        const Matrix3d tensor = symmetric(surface.curvature.row(index));
+        const double bend = n.dot(N) * t.dot(tensor * t) / t.squaredNorm() * std::sqrt(surface.total_area / std::numbers::pi);
+        return bend > 0.0 ? bend * bend / (bend * bend + 0.45) : 0.0;
+      };
+
       const auto at_point = [&](const QuadraturePoint& point, double share_of_rule) {
         const Vector3d r = A + point.s * (B - A) + point.t * (C - A), r_p = r + shift;
         const double piece = area * point.weight * share_of_rule;
@@ -129,13 +142,7 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
               push(Term::base_suction, S * law.base_suction * h * saturating(c, law.base_edge) * (2.0 - c));
             if (model.effects.has(Effect::curvature)) {
               const Vector3d t = u(r_p) - n * n.dot(u(r_p));
-              const Matrix3d tensor = symmetric(surface.curvature.row(index));
-              const double bend = t.squaredNorm() > 0.0
-                                      ? side * t.dot(tensor * t) / t.squaredNorm() * std::sqrt(surface.total_area / std::numbers::pi)
-                                      : 0.0;
-              const double chi = bend > 0.0 ? bend * bend / (bend * bend + 0.45)
-                                            : 0.0;  // hollow seen from the back of a sheet is convex seen from its front
-              push(Term::curvature, -S * law.curvature * chi * (1.0 - c * c) * saturating(c, 0.2));
+              push(Term::curvature, -S * law.curvature * chi(n, t) * (1.0 - c * c) * saturating(c, 0.2));
             }
           }
           // Eq. 3, 8: on the side that turns away.
@@ -145,8 +152,15 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
             if (model.effects.has(Effect::leeward_suction)) pull(Term::leeward_suction, evaluate(law.leeward, c));
             if (model.effects.has(Effect::recovery)) pull(Term::rear_recovery, -law.base_suction * rear * saturating(c, law.recovery_edge));
           }
-          // Eq. 11: along the surface, on either.
-          if (model.effects.has(Effect::friction)) {
+          // Eq. 16: the boundary layer, on either. Without inertia there is none.
+          if (viscous && medium.density > 0.0 && u(r).norm() > 0.0) {
+            const double speed = u(r).norm(), s = -u(r).dot(n) / speed, head_on = 1.5 * s / std::sqrt(1.0 + 2.25 * s * s);
+            const Vector3d t = u(r) - n * n.dot(u(r));
+            const double coefficient = law.layer / std::sqrt(speed * l / nu) * (1.0 + head_on) * (1.0 + law.layer_curvature * chi(n, t));
+            feel(Term::friction, coefficient, 0.5 * medium.density * coefficient * speed * t * dA, r, u(r));
+          }
+          // Eq. 12: along the surface, on either.
+          if (model.effects.has(Effect::friction) && !viscous) {
             const Vector3d tangential = u(r) - n * n.dot(u(r));
             feel(Term::friction, law.friction, 0.5 * medium.density * law.friction * u(r).norm() * tangential * dA, r, u(r));
           }
@@ -166,6 +180,21 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
         with_rule(Quadrature::six, shares.six);
       }
     }
+  }
+
+  // Eq. 15: what air without inertia would do, on top.
+  for (std::size_t p = 0; p < surface.parts.size(); ++p) {
+    const Law& law = model.law_of(surface.parts[p].body_class);
+    if (!(medium.viscosity > 0.0) || !law.viscous() || !model.effects.has(Effect::viscous)) continue;
+    const CreepingResistance& body = surface.parts[p].creeping;
+    Vector3d spin = Vector3d::Zero();  // of the part relative to the air
+    if (spins) spin += motion.angular_velocity;
+    if (winds && motion.triangle_wind.empty())
+      for (int axis = 0; axis < 3; ++axis) spin -= 0.5 * Vector3d::Unit(axis).cross(Vector3d(motion.wind_gradient.col(axis)));
+    const Vector3d u = u_in(mean_wind(surface.part, static_cast<int>(p)), body.centre);
+    const Vector3d force = law.stokes * medium.viscosity * body.drag * u, couple = -law.stokes * medium.viscosity * body.turning * spin;
+    takes[Term::friction] += {force, couple + (body.centre - r_0).cross(force)};
+    taken += force.dot(u) - couple.dot(spin);
   }
 
   // Eq. 13: what pushes the body through the air never wins.

@@ -33,14 +33,13 @@ class RelativeFlow {
         mean_[p] = surface.parts[p].area > 0.0 ? Eigen::Vector3d(mean_[p] / surface.parts[p].area - motion.velocity) : uniform_;
     }
     // Of the relative flow: its rate of strain, and its turning. Air that turns with the body does not vary.
-    Eigen::Vector3d turning = Eigen::Vector3d::Zero();
-    if (spin_) turning = motion.angular_velocity;
+    if (spin_) turning_ = motion.angular_velocity;
     if (gradient_) {
       const Eigen::Matrix3d& G = motion.wind_gradient;
-      turning -= 0.5 * Eigen::Vector3d(G(2, 1) - G(1, 2), G(0, 2) - G(2, 0), G(1, 0) - G(0, 1));
+      turning_ -= 0.5 * Eigen::Vector3d(G(2, 1) - G(1, 2), G(0, 2) - G(2, 0), G(1, 0) - G(0, 1));
       variation_ = 0.5 * (G + G.transpose()).norm();
     }
-    variation_ += turning.norm();
+    variation_ += turning_.norm();
   }
 
   static std::size_t part_of(const Surface& surface, Eigen::Index triangle) {
@@ -56,7 +55,11 @@ class RelativeFlow {
     return moved(per_triangle_ ? Eigen::Vector3d(motion_.triangle_wind[static_cast<std::size_t>(triangle)] - motion_.velocity) : uniform_,
                  r);
   }
-  Eigen::Vector3d at_centre(std::size_t part) const { return moved(per_triangle_ ? mean_[part] : uniform_, surface_.parts[part].centre); }
+  Eigen::Vector3d at_centre(std::size_t part) const { return at_place(part, surface_.parts[part].centre); }
+  /// Anywhere in a part, in the mean of its winds.
+  Eigen::Vector3d at_place(std::size_t part, const Eigen::Vector3d& r) const { return moved(per_triangle_ ? mean_[part] : uniform_, r); }
+  /// Of the body relative to the air [rad/s].
+  const Eigen::Vector3d& turning() const { return turning_; }
   /// A spinning body has no one direction of flow: what depends on it (descriptors, pillow, exposure) fades by this share as the spin takes
   /// over, and a tumbling body is left with the local terms. 1 without spin.
   double directed(std::size_t part) const {
@@ -97,6 +100,7 @@ class RelativeFlow {
   const Surface& surface_;
   Eigen::Vector3d uniform_;
   std::vector<Eigen::Vector3d> mean_;  // over every part, of winds by triangle
+  Eigen::Vector3d turning_ = Eigen::Vector3d::Zero();
   double variation_ = 0.0;
 };
 

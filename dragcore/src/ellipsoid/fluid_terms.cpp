@@ -6,6 +6,7 @@
 #include "drag/check.hpp"
 #include "support/cross_matrix.hpp"
 #include "support/ellipsoid_integrals.hpp"
+#include "support/ellipsoid_resistance.hpp"
 #include "support/require.hpp"
 
 namespace dragcore {
@@ -109,23 +110,8 @@ Matrix6d stokes_resistance(const PlacedEllipsoid& body, const Vector3d& referenc
   validate(body);
   require_finite("reference_point", reference_point);
   require_positive("viscosity", viscosity);
-  const Vector3d semi = semi_axes(body.shape);
-  const double size = semi.maxCoeff();
-  const Vector3d scaled = semi / size, squared = scaled.cwiseAbs2();
-  double chi = 0.0;                   // int dlambda / Delta
-  Vector3d alpha = Vector3d::Zero();  // int dlambda / ((a_i^2 + lambda) Delta), without the factor abc
-  for_each_ellipsoid_node(scaled, [&](double tau, double d_tau, const Vector3d& shrink, double root) {
-    chi += root / std::sqrt(tau) * d_tau;
-    alpha += root * std::sqrt(tau) * d_tau * shrink;
-  });
-  const Vector3d weighted = squared.cwiseProduct(alpha);
-  Vector3d linear, angular;
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    linear[i] = 16.0 * pi * viscosity * size / (chi + weighted[i]);
-    angular[i] = 16.0 / 3.0 * pi * viscosity * size * size * size * (squared[j] + squared[k]) / (weighted[j] + weighted[k]);
-  }
-  return about_reference(body, reference_point, linear, angular);
+  const EllipsoidResistance resistance = ellipsoid_resistance(semi_axes(body.shape));
+  return about_reference(body, reference_point, viscosity * resistance.linear, viscosity * resistance.angular);
 }
 
 Wrench stokes_wrench(const Matrix6d& stokes_resistance, const Motion& motion) {

@@ -43,7 +43,10 @@ constexpr std::array numbers{Number{"friction", &Law::friction},
                              Number{"recovery_depth", &Law::recovery_depth},
                              Number{"recovery_edge", &Law::recovery_edge},
                              Number{"shelter", &Law::shelter},
-                             Number{"curvature", &Law::curvature}};
+                             Number{"curvature", &Law::curvature},
+                             Number{"stokes", &Law::stokes},
+                             Number{"layer", &Law::layer},
+                             Number{"layer_curvature", &Law::layer_curvature}};
 // A number that Law gains must be read and written here too.
 static_assert(sizeof(Law) == sizeof(std::string) + polynomials.size() * sizeof(Law::Polynomial) + numbers.size() * sizeof(double));
 

@@ -1,4 +1,5 @@
 #include "drag/secant.hpp"
+#include "drag/viscous.hpp"
 #include "kernels/part_flow.hpp"
 #include "kernels/secant_kernel.hpp"
 #include "support/cross_matrix.hpp"
@@ -44,7 +45,7 @@ std::optional<Secant> fast_secant(const Surface& surface, const Motion& motion, 
   for (std::size_t p = 0; p < surface.parts.size(); ++p) {
     if (!flow.of(p, part)) return std::nullopt;
     if (part.speed == 0.0) continue;
-    if (!part.task.varies) part.task.quadrature = model.effects.has(Effect::spin) ? model.quadrature : Quadrature::one;
+    if (!flow.varies()) part.task.quadrature = model.effects.has(Effect::spin) ? model.quadrature : Quadrature::one;
     part.task.varies = true;
     const SecantSums sums = kernels::secant_sums(part.task);
     // From the part's origin to the reference point, and to newtons per metre per second.
@@ -58,6 +59,9 @@ std::optional<Secant> fast_secant(const Surface& surface, const Motion& motion, 
     result.given.head<3>() += pushed.force, result.given.tail<3>() += pushed.torque;
     result.given_power += part.to_newton * part.speed * sums.row[SecantSums::given_power];
   }
+  for_each_creeping_flow(surface, motion, medium, model, [&](const Part& creeping_part, const CreepingFlow& creeping) {
+    result.taken += creeping.matrix(creeping_part);
+  });
   result.taken = 0.5 * (result.taken + result.taken.transpose()).eval();  // to the last bit
   return result;
 }

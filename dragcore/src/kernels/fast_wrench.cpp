@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "drag/energy_balance.hpp"
+#include "drag/viscous.hpp"
 #include "kernels/part_flow.hpp"
 
 namespace dragcore {
@@ -25,7 +26,7 @@ bool is_on(Term term, const kernels::ResolvedLaw& law) {
     case Term::curvature:
       return law.curvature;
     case Term::friction:
-      return law.friction;
+      return law.friction || law.viscous;
     case Term::count:
       break;
   }
@@ -54,6 +55,10 @@ bool fast_wrench(const Surface& surface, const Motion& motion, const Medium& med
     }
     balance.add(part.to_newton * part.speed * taken, part.to_newton * part.speed * given);
   }
+  for_each_creeping_flow(surface, motion, medium, model, [&](const Part& creeping_part, const CreepingFlow& creeping) {
+    balance.add(creeping.power(creeping_part), 0.0);
+    result[Term::friction] += creeping.wrench(creeping_part);
+  });
   // Eq. 13.
   if (balance.has_gain()) {
     const double share = balance.gain_share();

@@ -1,5 +1,6 @@
 #include "kernels/instance_kernel.hpp"
 
+#include <dragcore/pillow.hpp>
 #include <limits>
 
 #include "kernels/secant_kernel.hpp"
@@ -57,12 +58,20 @@ struct Bodies {
     flow = times(flow, per_speed), x = times(x, per_speed), y = times(y, per_speed), z = times(z, per_speed);
     travel = hn::Mul(travel, per_speed);
     const V turned = hn::Mul(variation, per_speed), travel2 = hn::Mul(travel, travel);
-    describe(hn::Div(travel2, hn::MulAdd(turned, turned, travel2)));
+    const V directed = hn::Div(travel2, hn::MulAdd(turned, turned, travel2));
+    law.pillow_factor = hn::Mul(set(task.law.pillow_factor), directed);
+    if (task.law.viscous) {
+      law.layer = hn::Mul(law.layer, hn::Sqrt(per_speed));
+      // Eq. 17.
+      const V root = hn::Sqrt(hn::Max(hn::Mul(travel, speed), set(tiny)));
+      const V kappa = hn::Min(set(static_cast<float>(largest_tilt)), hn::Add(set(task.law.pillow_factor), hn::Div(set(task.pillow_gain), root)));
+      if (task.pillow_gain > 0.0f) law.pillow_factor = hn::Mul(kappa, directed);
+    }
+    describe(directed);
   }
 
   /// What of the law depends on the flow, eq. 7 to 12.
   void describe(V directed) {
-    law.pillow_factor = hn::Mul(set(task.law.pillow_factor), directed);
     if (!task.described) return;
     V frontal = hn::Zero(f), sharp = hn::Zero(f);
     const PackedSurface::Range range = task.surface->parts[0].uniform;
@@ -189,7 +198,7 @@ struct Tables {
   };
   template <unsigned on>
   struct UniformStraight {
-    static constexpr Kernel<Sums> kernel = uniform_straight<Sums, (on & ~friction)>;
+    static constexpr Kernel<Sums> kernel = uniform_straight<Sums, (on & ~(friction | viscous))>;
   };
   template <unsigned on>
   struct VaryingWindward {
@@ -197,7 +206,7 @@ struct Tables {
   };
   template <unsigned on>
   struct VaryingStraight {
-    static constexpr Kernel<Sums> kernel = varying_straight<Sums, on>;
+    static constexpr Kernel<Sums> kernel = varying_straight<Sums, either_friction(on)>;
   };
 };
 
@@ -235,7 +244,11 @@ void instance_wrenches_on_target(const InstanceTask& task, const InstanceMotions
     WrenchLanes sums;
     V scale = set(1.0f);
     if (varies) {
-      sum(bodies, varying_windwards.data(), varying_straights.data(), task.law.friction, sums);
+      sum(bodies, varying_windwards.data(), varying_straights.data(), task.law.friction || task.law.viscous, sums);
+      if (task.law.viscous) {  // what creeping flow takes
+        const V per_speed = hn::Div(set(1.0f), bodies.speed), creeping = hn::Mul(hn::Load(f, motions.creeping_power + lane), per_speed);
+        sums.taken_power = hn::MulAdd(hn::Mul(creeping, per_speed), per_speed, sums.taken_power);
+      }
     } else {
       sum(bodies, uniform_windwards.data(), uniform_straights.data(), false, sums);
       if (task.law.friction) {
@@ -404,7 +417,7 @@ void instance_steps_on_target(const InstanceTask& task, InstanceMotions& motions
   for (std::size_t lane = 0; lane < lanes; lane += width) {
     const Bodies bodies(task, motions, lane);
     SecantLanes secant;
-    sum(bodies, windwards.data(), straights.data(), task.law.friction, secant);
+    sum(bodies, windwards.data(), straights.data(), task.law.friction || task.law.viscous, secant);
     secant.for_each([&](std::size_t row, V value) { hn::Store(value, f, sums.row[row] + lane); });
     hn::Store(bodies.speed, f, speed + lane), hn::Store(bodies.sound, f, sound + lane);
     store(bodies.arm, arm, lane);
@@ -433,6 +446,16 @@ void instance_steps_on_target(const InstanceTask& task, InstanceMotions& motions
     for (std::size_t i = 0; i < 3; ++i) {
       ff[i][i] = hn::MulAdd(rounding, force_trace, ff[i][i]);
       tt[i][i] = hn::MulAdd(rounding, torque_trace, tt[i][i]);
+    }
+    if (task.law.viscous) {
+      const W per_unit = hn::Div(wide_set(1.0), unit), per_size = wide_set(1.0 / static_cast<double>(task.size));
+      const auto creeping = [&](std::size_t i, std::size_t k) { return hn::Mul(per_unit, wide_set(steps.creeping[i][k])); };
+      for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t k = 0; k < 3; ++k) {
+          ff[i][k] = hn::Add(ff[i][k], creeping(i, k));
+          ft[i][k] = hn::MulAdd(per_size, creeping(i, k + 3), ft[i][k]);
+          tt[i][k] = hn::MulAdd(hn::Mul(per_size, per_size), creeping(i + 3, k + 3), tt[i][k]);
+        }
     }
     // About the centre of mass: with A = [arm], S_tf = S_tf + A S_ff, S_tt = S_tt + A S_ft + S_tf A^T + A S_ff A^T, in units of the size.
     const W a[3] = {promoted(arm[0], lane), promoted(arm[1], lane), promoted(arm[2], lane)};

@@ -16,6 +16,7 @@ struct InstanceTask {
   float shelter = 0.0f;                                         ///< s
   float recovery = 0.0f, recovery_depth = 1.0f, volume = 0.0f;  ///< B R; lambda_0; volume in units of area^1.5
   Quadrature quadrature = Quadrature::three;
+  float pillow_gain = 0.0f;  ///< of the pillow's factor over the root of the speed: eq. 17
 };
 
 /// Motion of sixteen bodies, body frame, SI units.
@@ -24,6 +25,7 @@ struct InstanceMotions {
   Row spin[3];
   Row gradient[9];  ///< of the wind: (0, 0), (0, 1), ...
   Row arm[3];       ///< from the reference point to the shape's origin
+  Row creeping_power;  ///< what Stokes' resistance takes, over density/2 area [m^3/s^3]
 };
 
 /// Their wrenches, in units of density/2 speed^2 area, torque times size, about the reference point.
@@ -43,6 +45,7 @@ struct InstanceSteps {
   Wide external[6];
   double dt = 0.0, half_density = 0.0, area = 1.0;
   bool turns = true;  ///< spin is felt
+  double creeping[6][6] = {};  ///< Stokes' resistance about the shape's origin, SI units
 
   alignas(64) Wide result[6];  ///< velocity relative to the air, and spin, after dt
   Wide sound;                  ///< 1 where there is a result

@@ -1,8 +1,10 @@
 #include "kernels/instances.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "drag/viscous.hpp"
 #include "kernels/instance_kernel.hpp"
 #include "kernels/part_flow.hpp"
 
@@ -17,19 +19,22 @@ static_assert(instances == lanes);
 /// Up to here sixteen bodies at once are faster than sixteen triangles at once.
 constexpr std::size_t small_shape = 128 / lanes;
 
-const ActiveEffects at_rest(const Surface& surface, const Model& model) {
+const ActiveEffects at_rest(const Surface& surface, const Model& model, const Medium& medium = {}) {
   const BodyClass body_class = surface.parts[0].body_class;
-  return ActiveEffects(Motion{}, model, model.law_of(body_class), model.pillow_of(body_class));
+  return ActiveEffects(Motion{}, model, model.law_of(body_class), model.pillow_of(body_class), medium);
 }
 
-InstanceTask task_of(const Surface& surface, const Model& model, Quadrature quadrature) {
+InstanceTask task_of(const Surface& surface, const Medium& medium, const Model& model, Quadrature quadrature) {
   const PackedSurface::Part& packed = surface.packed->parts[0];
   const Part& part = surface.parts[0];
   const Law& law = model.law_of(part.body_class);
-  const ActiveEffects active = at_rest(surface, model);
+  const ActiveEffects active = at_rest(surface, model, medium);
   InstanceTask task{.surface = surface.packed.get(), .quadrature = quadrature};
-  const double kappa = active.has<Effect::pillow>() ? model.pillow_of(part.body_class).factor : 0.0;
-  task.law = resolved(BodyLaw(law, Descriptors{}, 1.0, active), active, packed, kappa);
+  const Pillow& pillow = model.pillow_of(part.body_class);
+  const double layer = layer_scale(law, part, medium, active);
+  task.law = resolved(BodyLaw(law, Descriptors{}, 1.0, active, layer), active, packed, active.has<Effect::pillow>() ? pillow.factor : 0.0);
+  if (active.has<Effect::viscous>() && pillow.viscous_gain > 0.0)
+    task.pillow_gain = static_cast<float>(pillow.viscous_gain / std::sqrt(reynolds(part, 1.0, medium)));
   // Worked out for every body by itself.
   task.law.shelter = active.has<Effect::shelter>();
   task.law.recovery = active.has<Effect::recovery>() && part.volume > 0.0;
@@ -68,7 +73,11 @@ bool set(InstanceMotions& motions, std::size_t lane, const Motion& motion, const
          (felt.wind ? motion.triangle_wind.empty() : motion.wind_gradient.allFinite());
 }
 
-bool density_in_range(const Medium& medium) { return medium.density >= 0.0 && medium.density < 1e100; }
+/// What is viscous is put in units of the density here.
+bool in_range(const Medium& medium) {
+  return medium.density >= 0.0 && medium.density < 1e100 && medium.viscosity >= 0.0 && medium.viscosity < 1e100 &&
+         (medium.viscosity == 0.0 || medium.density > 0.0);
+}
 
 constexpr unsigned all_of(std::size_t count) { return (1u << count) - 1u; }
 
@@ -85,7 +94,7 @@ bool instanced(const Surface& surface, const Model& model) {
 }
 
 unsigned wrenches_of(std::span<const BodyInFlow* const> bodies, const Medium& medium, std::span<Wrench* const> results) {
-  if (!density_in_range(medium)) return all_of(bodies.size());
+  if (!in_range(medium)) return all_of(bodies.size());
   const Surface& surface = *bodies[0]->surface;
   const Model& model = *bodies[0]->model;
   const PackedSurface::Part& part = surface.packed->parts[0];
@@ -95,13 +104,22 @@ unsigned wrenches_of(std::span<const BodyInFlow* const> bodies, const Medium& me
   unsigned left = 0;
   for (std::size_t lane = 0; lane < bodies.size(); ++lane)
     left |= set(motions, lane, bodies[lane]->motion, felt, vary, part.origin) ? 0u : 1u << lane;
+  const InstanceTask task = task_of(surface, medium, model, vary ? model.quadrature : Quadrature::one);
+  // Creeping flow: exact, and in double.
+  std::array<Wrench, instances> creeping{};
+  for (std::size_t lane = 0; medium.viscosity > 0.0 && lane < bodies.size(); ++lane)
+    for_each_creeping_flow(surface, bodies[lane]->motion, medium, model, [&](const dragcore::Part& whole, const CreepingFlow& flow) {
+      creeping[lane] = flow.wrench(whole);
+      motions.creeping_power[lane] = static_cast<float>(flow.power(whole) / (0.5 * medium.density * part.area));
+    });
   InstanceWrenches found;
-  instance_wrenches(task_of(surface, model, vary ? model.quadrature : Quadrature::one), motions, vary, found);
+  instance_wrenches(task, motions, vary || task.law.viscous, found);
   for (std::size_t lane = 0; lane < bodies.size(); ++lane) {
     const double speed = found.speed[lane], to_newton = 0.5 * medium.density * speed * speed * part.area;
     Wrench& result = *results[lane];
     result.force = to_newton * Vector3d(found.force[0][lane], found.force[1][lane], found.force[2][lane]);
     result.torque = to_newton * part.size * Vector3d(found.torque[0][lane], found.torque[1][lane], found.torque[2][lane]);
+    result += creeping[lane];
     if (const double size = result.force.cwiseAbs().sum() + result.torque.cwiseAbs().sum(); !(speed > 0.0 && size < 1e300))
       left |= 1u << lane;
   }
@@ -109,7 +127,7 @@ unsigned wrenches_of(std::span<const BodyInFlow* const> bodies, const Medium& me
 }
 
 unsigned steps_of(std::span<const FreeBody* const> bodies, const Medium& medium, double dt, std::span<Vector6d* const> velocities) {
-  if (!density_in_range(medium) || !(dt >= 0.0) || !std::isfinite(dt)) return all_of(bodies.size());
+  if (!in_range(medium) || !(dt >= 0.0) || !std::isfinite(dt)) return all_of(bodies.size());
   const Surface& surface = *bodies[0]->surface;
   const Model& model = *bodies[0]->model;
   const PackedSurface::Part& part = surface.packed->parts[0];
@@ -136,7 +154,10 @@ unsigned steps_of(std::span<const FreeBody* const> bodies, const Medium& medium,
       steps.external[k][lane] = body.external[static_cast<Eigen::Index>(k)];
     }
   }
-  instance_steps(task_of(surface, model, felt.spin ? model.quadrature : Quadrature::one), motions, steps);
+  for_each_creeping_flow(surface, {.reference_point = part.origin}, medium, model, [&](const dragcore::Part& whole, const CreepingFlow& flow) {
+    Eigen::Map<Eigen::Matrix<double, 6, 6>>(steps.creeping[0]) = flow.matrix(whole);  // symmetric: rows are columns
+  });
+  instance_steps(task_of(surface, medium, model, felt.spin ? model.quadrature : Quadrature::one), motions, steps);
   for (std::size_t lane = 0; lane < bodies.size(); ++lane) {
     Vector6d& velocity = *velocities[lane];
     for (Eigen::Index k = 0; k < 6; ++k) velocity[k] = steps.result[k][lane];

@@ -14,14 +14,17 @@ namespace dragcore::kernels::HWY_NAMESPACE {
 
 // Effects of a kernel, known when it is compiled: one that is off costs no instruction.
 constexpr unsigned two_sided = 1, pillow = 2, base = 4, shelter = 8, curvature = 16, windward_kernels = 32;
-constexpr unsigned leeward = 2, recovery = 4, friction = 8, straight_kernels = 16;  // and two_sided: of what the pillow does not displace
+// And two_sided: of what the pillow does not displace. `viscous` takes the place of `friction`: their codes together stand for the first.
+constexpr unsigned leeward = 2, recovery = 4, friction = 8, viscous = 16, straight_kernels = 32;
+constexpr unsigned either_friction(unsigned on) { return on & viscous ? on & ~friction : on; }
 
 inline unsigned windward_effects(const ResolvedLaw& law, bool has_two_sides) {
   return (has_two_sides ? two_sided : 0u) | (law.pillow ? pillow : 0u) | (law.base ? base : 0u) | (law.shelter ? shelter : 0u) |
          (law.curvature ? curvature : 0u);
 }
 inline unsigned straight_effects(const ResolvedLaw& law, bool has_two_sides) {
-  return (has_two_sides ? two_sided : 0u) | (law.leeward ? leeward : 0u) | (law.recovery ? recovery : 0u) | (law.friction ? friction : 0u);
+  return (has_two_sides ? two_sided : 0u) | (law.leeward ? leeward : 0u) | (law.recovery ? recovery : 0u) | (law.friction ? friction : 0u) |
+         (law.viscous ? viscous : 0u);
 }
 
 /// A law in registers, the same for all lanes or each lane's own.
@@ -32,6 +35,7 @@ struct LawLanes {
   V curvature_rise;                ///< -1.2 m
   V recovery_rise, recovery_edge;  ///< minus the push, times 1 + e
   V skin_friction, pillow_factor;
+  V layer, layer_curvature;
   explicit HWY_INLINE LawLanes(const ResolvedLaw& law)
       : windward(law.windward_polynomial),
         leeward(law.leeward_polynomial),
@@ -43,7 +47,9 @@ struct LawLanes {
         recovery_rise(set(-law.push * (1.0f + law.recovery_edge))),
         recovery_edge(set(law.recovery_edge)),
         skin_friction(set(law.skin_friction)),
-        pillow_factor(set(law.pillow_factor)) {}
+        pillow_factor(set(law.pillow_factor)),
+        layer(set(law.layer)),
+        layer_curvature(set(law.layer_curvature)) {}
 };
 
 constexpr float tiny = 1e-30f;
@@ -185,6 +191,27 @@ HWY_INLINE void windward_at(const LawLanes& law, const Group& group, At at, V sh
   visit(windward<on>(law, area, c, hn::NegMulAdd(c, c, set(1.0f)), bent), n, cross(r, n), w);
 }
 
+/// Friction of the boundary layer, eq. 16: (1 + h)(1 + g chi) of one side, or the sum of both, times its scale.
+/// @param t  tangential part of the flow
+template <unsigned on, class At>
+HWY_INLINE V layer(const LawLanes& law, const Group& group, At at, const Vec3& t, V w, V speed2) {
+  const V one = set(1.0f), steep = hn::Mul(set(1.5f), w);
+  const V h = hn::Div(steep, hn::Sqrt(hn::Max(hn::MulAdd(steep, steep, speed2), set(tiny))));
+  const V size = dot(t, t), line = hn::Mul(set(0.45f), size), bent = dot(t, apply(group.curvature, at, t));
+  // Of the two sides one is hollow, or both are flat.
+  const auto grown = [&](V square) {
+    const V chi = hn::Div(square, hn::Max(hn::MulAdd(line, size, square), set(tiny)));
+    return hn::MulAdd(law.layer_curvature, chi, one);
+  };
+  const V front_bent = hn::Max(bent, hn::Zero(f)), front = hn::Mul(hn::Add(one, h), grown(hn::Mul(front_bent, front_bent)));
+  if constexpr (on & two_sided) {
+    const V back_bent = hn::Min(bent, hn::Zero(f)), back = hn::Mul(hn::Sub(one, h), grown(hn::Mul(back_bent, back_bent)));
+    return hn::Mul(law.layer, hn::MulAdd(at(group.back), back, front));
+  } else {
+    return hn::Mul(law.layer, front);
+  }
+}
+
 /// What the pillow does not displace: rub(wetted area times coefficient and speed, tangential velocity), and visit() as
 /// uniform_leeward_at().
 template <unsigned on, class At, class Rub, class Visit>
@@ -195,6 +222,10 @@ HWY_INLINE void straight_at(const LawLanes& law, const Group& group, At at, V sh
     V wetted = hn::Mul(share, law.skin_friction);
     if constexpr (on & two_sided) wetted = hn::MulAdd(wetted, at(group.back), wetted);
     rub(hn::Mul(wetted, hn::Sqrt(speed2)), along(u, w, n));
+  }
+  if constexpr (on & viscous) {
+    const Vec3 t = along(u, w, n);
+    rub(hn::Mul(hn::Mul(share, layer<on>(law, group, at, t, w, speed2)), hn::Sqrt(hn::Sqrt(speed2))), t);
   }
   if constexpr ((on & (leeward | recovery)) != 0) {
     V area;

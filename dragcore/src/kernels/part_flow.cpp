@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drag/viscous.hpp"
+
 namespace dragcore::kernels {
 
 using Eigen::Vector3d;
@@ -35,6 +37,9 @@ ResolvedLaw resolved(const BodyLaw& law, const ActiveEffects& active, const Pack
   result.recovery_edge = static_cast<float>(law.law().recovery_edge);
   result.skin_friction = static_cast<float>(law.friction());
   result.friction = result.skin_friction > 0.0f;
+  result.layer = static_cast<float>(law.layer_scale());
+  result.viscous = result.layer > 0.0f;
+  result.layer_curvature = static_cast<float>(law.law().layer_curvature);
   result.pillow_factor = static_cast<float>(pillow_factor);
   result.pillow = result.pillow_factor > 0.0f;
   return result;
@@ -86,18 +91,22 @@ bool BodyFlow::of(std::size_t p, PartFlow& result) {
   result.relative = centre_flow / speed;
 
   const Law& law = model_.law_of(part.body_class);
-  const Pillow& pillow = model_.pillow_of(part.body_class);
-  const ActiveEffects active(motion_, model_, law, pillow);
+  const ActiveEffects active(motion_, model_, law, model_.pillow_of(part.body_class), medium_);
+  double kappa = 0.0, layer = 0.0;
+  if (active.has<Effect::pillow>()) kappa = model_.pillow_of(part.body_class).factor;
+  if (active.has<Effect::viscous>()) {
+    if (kappa > 0.0) kappa = pillow_at(model_.pillow_of(part.body_class), part, travel, medium_, active).factor;
+    layer = layer_scale(law, part, medium_, active) / std::sqrt(speed);
+  }
   const Vector3d direction = travel > 0.0 ? Vector3d(centre_flow / travel) : Vector3d::Zero();
   Descriptors body;
   if (travel > 0.0 && BodyLaw::needs_descriptors(law, active)) body = described(p, direction, law, active);
   PartTask& task = result.task;
   task.surface = &packed, task.part = p;
-  task.law =
-      resolved(BodyLaw(law, body, directed, active), active, packed_part, active.has<Effect::pillow>() ? pillow.factor * directed : 0.0);
+  task.law = resolved(BodyLaw(law, body, directed, active, layer), active, packed_part, kappa * directed);
   task.flow = result.relative.cast<float>();
   task.gradient = (result.size / speed * flow_.gradient()).cast<float>();
-  task.varies = flow_.varies();
+  task.varies = flow_.varies() || task.law.viscous;
   task.direction = direction.cast<float>();
   task.variation = static_cast<float>(flow_.variation_per_metre() * result.size / speed);
   task.quadrature = flow_.varies_on_triangles() ? model_.quadrature : Quadrature::one;

@@ -42,6 +42,7 @@ class BodyFlow {
 
   /// Valid until the next call. @return  false where the speeds are beyond single precision
   bool of(std::size_t part, PartFlow& result);
+  bool varies() const { return flow_.varies(); }
 
  private:
   Descriptors described(std::size_t part, const Eigen::Vector3d& direction, const Law& law, const ActiveEffects& active);

@@ -75,7 +75,7 @@ struct WindwardSecant {
 };
 template <unsigned on>
 struct StraightSecant {
-  static constexpr Kernel kernel = straight_secant<on>;
+  static constexpr Kernel kernel = straight_secant<either_friction(on)>;
 };
 
 }  // namespace
@@ -84,7 +84,7 @@ void secant_sums_on_target(const PartTask& task, std::size_t first, std::size_t 
   static constexpr auto windwards = kernels_of<Kernel, WindwardSecant>(AllWindward());
   static constexpr auto straights = kernels_of<Kernel, StraightSecant>(AllStraight());
   const bool has_two_sides = task.surface->parts[task.part].two_sided;
-  const bool has_straight = task.law.leeward || task.law.recovery || task.law.friction;
+  const bool has_straight = task.law.leeward || task.law.recovery || task.law.friction || task.law.viscous;
   const Kernel windward_kernel = windwards[windward_effects(task.law, has_two_sides)];
   const Kernel straight_kernel = straights[straight_effects(task.law, has_two_sides)];
   Rows8 sums;

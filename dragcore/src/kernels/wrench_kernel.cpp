@@ -147,7 +147,7 @@ void varying_straight(const Air& air, std::size_t first, std::size_t last, Sums&
     }
     if constexpr (on & leeward) sums.add(0, pulled, lane);
     if constexpr (on & recovery) sums.add(6, pushed, lane);
-    if constexpr (on & friction) sums.add(12, rubbed, lane);
+    if constexpr (on & (friction | viscous)) sums.add(12, rubbed, lane);
     add_to(sums.row[Sums::powers], taken, lane);
     if constexpr (on & recovery) add_to(sums.row[Sums::powers + 1], given, lane);
   }
@@ -163,11 +163,11 @@ struct VaryingWindward {
 };
 template <unsigned on>
 struct UniformStraight {
-  static constexpr Kernel kernel = uniform_straight<(on & ~friction)>;  // its sum is known beforehand
+  static constexpr Kernel kernel = uniform_straight<(on & ~(friction | viscous))>;  // the sum of the first is known beforehand; the other takes the flow to vary
 };
 template <unsigned on>
 struct VaryingStraight {
-  static constexpr Kernel kernel = varying_straight<on>;
+  static constexpr Kernel kernel = varying_straight<either_friction(on)>;
 };
 
 }  // namespace
@@ -182,7 +182,7 @@ void part_sums_on_target(const PartTask& task, std::size_t first, std::size_t la
   const Kernel straight_kernel = (task.varies ? varying_straights : uniform_straights)[straight_effects(task.law, has_two_sides)];
   // Which terms each kernel sums: three times six rows.
   const ResolvedLaw& law = task.law;
-  const bool rubs = task.varies && law.friction;
+  const bool rubs = task.varies && (law.friction || law.viscous);
   const std::array<std::pair<Term, bool>, 3> windward_terms{
       {{Term::windward_pressure, true}, {Term::base_suction, law.base}, {Term::curvature, law.curvature}}};
   const std::array<std::pair<Term, bool>, 3> straight_terms{

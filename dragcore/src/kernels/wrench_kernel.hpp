@@ -15,13 +15,14 @@ namespace dragcore::kernels {
 /// The law as one part feels it in one flow: whatever depends on the body, the direction or the class is in these numbers already, so that
 /// the loop over triangles sees polynomials and scalars alone. A term whose flag is off is not in the code of the loop at all.
 struct ResolvedLaw {
-  bool base = false, shelter = false, curvature = false, leeward = false, recovery = false, friction = false, pillow = false;
+  bool base = false, shelter = false, curvature = false, leeward = false, recovery = false, friction = false, pillow = false, viscous = false;
   std::array<float, 5> windward_polynomial{}, leeward_polynomial{};
   float base_suction = 0.0f, base_edge = 1.0f;  ///< B h
   float shelter_rate = 0.0f, per_sharpness = 0.0f;
   float curvature_suction = 0.0f;
   float push = 0.0f, recovery_edge = 1.0f;  ///< B R lambda/(lambda + lambda_0), faded
   float skin_friction = 0.0f;
+  float layer = 0.0f, layer_curvature = 0.0f;  ///< a/sqrt(Re_l) at the speed that velocities are in units of
   float pillow_factor = 0.0f;  ///< kappa of the tilt form, faded
 };
 

@@ -113,6 +113,9 @@ Secant full_secant(const Surface& surface, const Motion& motion, const Medium& m
         }
       },
       feels_spin(model));
+  for_each_creeping_flow(surface, motion, medium, model, [&](const Part& part, const CreepingFlow& creeping) {
+    secant.taken.triangularView<Eigen::Lower>() += creeping.matrix(part);
+  });
   secant.taken.triangularView<Eigen::StrictlyUpper>() = secant.taken.transpose();
   return secant;
 }
@@ -168,7 +171,12 @@ Matrix6d force_jacobian(const Surface& surface, const Motion& motion, const Medi
         Eigen::Matrix3d by_velocity;  // d force / d u
         if (local.is_friction()) {
           const Eigen::Matrix3d projector = Eigen::Matrix3d::Identity() - local.normal * local.normal.transpose();
-          by_velocity = local.half_rho_area * value * (local.speed * projector + projector * local.u * local.u.transpose() / local.speed);
+          const Eigen::Vector3d tangential = projector * local.u;
+          by_velocity = local.half_rho_area * value *
+                        (local.speed * projector + local.growth * tangential * local.u.transpose() / local.speed);
+          // |u| dc/du = e - c u/|u|.
+          if (rate != 0.0)
+            by_velocity += local.half_rho_area * rate * tangential * (local.downstream() - c / local.speed * local.u).transpose();
         } else {
           // Size g = |u|^2 C(c), c = |u.n|/|u|: dg/du = (2 C - c C') u + |u| C' e, with e the unit vector along which |u.n| grows.
           const Eigen::Vector3d e = local.downstream();
@@ -183,6 +191,10 @@ Matrix6d force_jacobian(const Surface& surface, const Motion& motion, const Medi
         sum.bottomRightCorner<3, 3>() += arm * by_velocity * arm;
       },
       feels_spin(model));
+  for_each_creeping_flow(surface, motion, medium, model, [&](const Part& part, const CreepingFlow& creeping) {
+    balance.add(creeping.power(part), 0.0);
+    taken -= creeping.matrix(part);
+  });
   if (balance.has_gain()) taken += balance.gain_share() * given;
   if (!feels_spin(model)) taken.rightCols<3>().setZero();
   check_result(taken.allFinite(), model);

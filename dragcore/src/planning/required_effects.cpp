@@ -68,7 +68,8 @@ RequiredEffects required_effects(const Scene& scene) {
   // Of a mesh with sheets and bodies: the larger of each number, and of each bound.
   const Law& second = scene.model.sheets ? scene.model.sheets->law : scene.model.law;
   Law law = scene.model.law;
-  for (double Law::*number : {&Law::friction, &Law::base_suction, &Law::aspect_gain, &Law::recovery, &Law::shelter, &Law::curvature})
+  for (double Law::*number : {&Law::friction, &Law::base_suction, &Law::aspect_gain, &Law::recovery, &Law::shelter, &Law::curvature,
+                              &Law::stokes, &Law::layer, &Law::layer_curvature})
     law.*number = std::max(law.*number, second.*number);
   check_input(surface, motion, scene.medium, scene.model);
   validate(law);
@@ -129,7 +130,7 @@ RequiredEffects required_effects(const Scene& scene) {
   const double smallest_front =
       0.5 * sides * std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(facing, Eigen::EigenvaluesOnly).eigenvalues()[0]);
 
-  const ActiveEffects active(motion, scene.model);
+  const ActiveEffects active(motion, scene.model, law, scene.model.pillow, scene.medium);
   const auto add = [&](const std::string& name, std::optional<Effect> effect, double force, double torque, const std::string& why) {
     EffectNeed need{name, effect, false, force, torque, why};
     need.needed = force > scene.tolerance * result.force_scale || torque > scene.tolerance * result.torque_scale;
@@ -150,7 +151,8 @@ RequiredEffects required_effects(const Scene& scene) {
 
   add_pressure(Effect::leeward_suction, active.has<Effect::leeward_suction>(), leeward.value, area, "the law has no leeward polynomial",
                "leeward faces feel up to " + text(leeward.value) + " q");
-  add_pressure(Effect::friction, active.has<Effect::friction>(), law.friction, sides * area, "the law has no friction",
+  add_pressure(Effect::friction, active.has<Effect::friction>(), law.friction, sides * area,
+               active.has<Effect::viscous>() ? "the viscous terms take its place" : "the law has no friction",
                "every wetted side feels up to " + text(law.friction) + " q");
   if (scene.free && active.has<Effect::friction>() && law.friction * sides * area > scene.tolerance * smallest_front)
     keep(Effect::friction, ", and little else brakes a free body whose frontal area may be as small as " + text(smallest_front) + " m^2");
@@ -172,7 +174,8 @@ RequiredEffects required_effects(const Scene& scene) {
   double moved = 0.0;
   if (active.has<Effect::pillow>()) {
     if (scene.model.pillow.form == PillowForm::tilt) {
-      const double factor = std::max(scene.model.pillow.factor, scene.model.sheets ? scene.model.sheets->pillow.factor : 0.0);
+      double factor = std::max(scene.model.pillow.factor, scene.model.sheets ? scene.model.sheets->pillow.factor : 0.0);
+      if (active.has<Effect::viscous>()) factor = largest_tilt;
       for (Eigen::Index i = 0; i < surface.size(); ++i)
         moved += surface.area[i] * largest_shift({PillowForm::tilt, factor}, symmetric(surface.second_moment.row(i)).trace(), 2.0 * surface.radius);
     } else if (scene.model.pillow.form == PillowForm::patch) {
@@ -190,8 +193,12 @@ RequiredEffects required_effects(const Scene& scene) {
       }
     }
   }
+  // Of the boundary layer: 1 + h is below 2, and its slope at most 1.5.
+  double friction_of_layer = 0.0;
+  for (const Part& part : surface.parts)
+    friction_of_layer = std::max(friction_of_layer, 1.5 * layer_scale(law, part, scene.medium, active) / std::sqrt(speed) * (1.0 + law.layer_curvature));
   const double pushing = windward.value + base.value + curvature.value;
-  const double slope = windward.slope + leeward.slope + base.slope + recovery.slope + curvature.slope + 2.0 * sides * law.friction;
+  const double slope = windward.slope + leeward.slope + base.slope + recovery.slope + curvature.slope + 2.0 * sides * (law.friction + 2.0 * friction_of_layer);
   const double per_metre = motion.angular_velocity.norm() + motion.wind_gradient.norm();
   const double pillow_force = 0.5 * scene.medium.density * slope * speed * per_metre * moved;
   add(to_string(Effect::pillow), Effect::pillow, pillow_force, q * pushing * moved + pillow_force * arm,
@@ -200,9 +207,13 @@ RequiredEffects required_effects(const Scene& scene) {
 
   // Spin and wind: largest change of velocity times largest slope, over the whole surface; and what depends on the one direction of flow.
   const double described = (1.0 - std::exp(-law.shelter)) * pushing + recovery.value + law.aspect_gain * law.base_suction;
+  double creeping = 0.0;  // of Stokes' resistance, per speed
+  if (active.has<Effect::viscous>())
+    for (const Part& part : surface.parts)
+      creeping += law.stokes * scene.medium.viscosity * (part.creeping.drag.norm() + part.creeping.turning.norm() / (part.radius * part.radius));
   const auto by_velocity = [&](double change) {
     const double turned = travel > 0.0 ? std::min(1.0, change / travel) : (change > 0.0 ? 1.0 : 0.0);
-    return 0.5 * scene.medium.density * slope * speed * change * area + q * described * turned * area;
+    return 0.5 * scene.medium.density * slope * speed * change * area + q * described * turned * area + creeping * change;
   };
   const double by_spin = active.has<Effect::spin>() ? by_velocity(spin) : 0.0;
   add(to_string(Effect::spin), Effect::spin, by_spin, by_spin * arm,
@@ -221,6 +232,22 @@ RequiredEffects required_effects(const Scene& scene) {
     result.wind_sampling = choose_sampling(field, allowed);
     if (result.wind_sampling == WindSampling::constant) result.wind_sampling = WindSampling::affine;
   }
+
+  // Eq. 15 and 16 at their largest; without them the constant friction is back.
+  const bool viscous = active.has<Effect::viscous>();
+  double by_viscosity = 0.0, by_viscous_turning = 0.0;
+  const double layer = 2.0 * friction_of_layer;
+  if (viscous) {
+    for (const Part& part : surface.parts) {
+      by_viscosity += law.stokes * scene.medium.viscosity * part.creeping.drag.norm() * speed;
+      by_viscous_turning += law.stokes * scene.medium.viscosity * part.creeping.turning.norm() * per_metre;
+    }
+    by_viscosity += q * sides * area * (layer + law.friction);
+  }
+  add(to_string(Effect::viscous), Effect::viscous, by_viscosity, by_viscosity * arm + by_viscous_turning,
+      viscous ? "Stokes' resistance, and every wetted side feels up to " + text(layer) + " q"
+              : (scene.medium.viscosity > 0.0 ? "the law has no viscous terms" : "the viscosity of the medium is not known"));
+  if (viscous && scene.free) keep(Effect::viscous, ", the more of q the slower the body, and a free one may slow down");
 
   // Beyond pressure: what fluid_terms.hpp has.
   const double ball = surface.radius;
@@ -241,11 +268,12 @@ RequiredEffects required_effects(const Scene& scene) {
   } else {
     add("added mass", std::nullopt, 0.0, 0.0, "not judged: the scene does not say the body's mass");
   }
-  const double reynolds = scene.medium.density * speed * 2.0 * ball / scene.viscosity;
-  const double viscous =
-      reynolds > 0.0 && reynolds < 1e4 ? std::max(0.0, sphere_drag_coefficient(reynolds) / sphere_drag_coefficient(1e4) - 1.0) : 0.0;
-  add("low Reynolds number", std::nullopt, viscous * result.force_scale, viscous * result.torque_scale,
-      "Re = " + text(reynolds) + " on the diameter of the body's ball; the laws are for Re >= 1e4");
+  const double reynolds = scene.medium.density * speed * 2.0 * ball / (scene.medium.viscosity > 0.0 ? scene.medium.viscosity : scene.viscosity);
+  const double lacking =
+      !viscous && reynolds > 0.0 && reynolds < 1e4 ? std::max(0.0, sphere_drag_coefficient(reynolds) / sphere_drag_coefficient(1e4) - 1.0) : 0.0;
+  add("low Reynolds number", std::nullopt, lacking * result.force_scale, lacking * result.torque_scale,
+      "Re = " + text(reynolds) + " on the diameter of the body's ball; the laws " +
+          (viscous ? "have viscous terms" : "are for Re >= 1e4, or for a medium whose viscosity is known"));
   return result;
 }
 

@@ -176,7 +176,7 @@ static void bodies_and_sheets(void) {
   dragcore_mesh *cube = NULL, *plate = NULL, *both = NULL;
   dragcore_surface *surface = NULL, *cube_alone = NULL, *plate_alone = NULL;
   dragcore_model model, own;
-  dragcore_motion motion = {{0}, {0}, {0}, {0}, {0}, NULL};
+  dragcore_motion motion = {{0}, {0}, {0}, {0}, {0}, NULL, 0};
   dragcore_wrench wrench, expected, part;
   double corners[3 * (8 + 4)];
   int indices[3 * (12 + 2)], i;
@@ -377,35 +377,41 @@ static void many_bodies(const dragcore_surface* surface) {
   dragcore_model model;
   dragcore_body body;
   double velocities[6 * count], s[36], velocity[3], spin[3], wrong = 0;
-  int i, k;
+  int i, k, viscous;
   memset(bodies, 0, sizeof bodies);
   memset(free_bodies, 0, sizeof free_bodies);
   memset(&body, 0, sizeof body);
   body.mass = body.inertia[0] = body.inertia[4] = body.inertia[8] = 1;
   check(dragcore_model_for(surface, &model) == DRAGCORE_OK, "a model for many");
-  for (i = 0; i < count; ++i) {
-    bodies[i].surface = free_bodies[i].surface = surface;
-    bodies[i].model = free_bodies[i].model = &model;
-    bodies[i].motion.velocity[0] = 1 + i;
-    bodies[i].motion.velocity[2] = 3;
-    bodies[i].motion.angular_velocity[1] = i;
-    free_bodies[i].motion = bodies[i].motion;
-    free_bodies[i].body = &body;
-    free_bodies[i].external.force[2] = -9.81;
+  for (viscous = 0; viscous < 2; ++viscous) {
+    for (i = 0; i < count; ++i) {
+      bodies[i].surface = free_bodies[i].surface = surface;
+      bodies[i].model = free_bodies[i].model = &model;
+      bodies[i].motion.velocity[0] = 1 + i;
+      bodies[i].motion.velocity[2] = 3;
+      bodies[i].motion.viscosity = 0.05 * viscous; /* Re of some hundred */
+      bodies[i].motion.angular_velocity[1] = i;
+      free_bodies[i].motion = bodies[i].motion;
+      free_bodies[i].body = &body;
+      free_bodies[i].external.force[2] = -9.81;
+    }
+    check(dragcore_evaluate_many(bodies, count, 1.2, found) == DRAGCORE_OK, "many bodies at once");
+    check(dragcore_step_free_bodies(free_bodies, count, 1.2, 0.01, velocities) == DRAGCORE_OK, "and a step of each");
+    for (i = 0; i < count; ++i) {
+      dragcore_motion motion = bodies[i].motion;
+      check(dragcore_evaluate(surface, &motion, 1.2, &model, &alone) == DRAGCORE_OK, "one by one");
+      for (k = 0; k < 3; ++k) wrong = fmax(wrong, fabs(found[i].force[k] - alone.force[k]) + fabs(found[i].torque[k] - alone.torque[k]));
+      check(dragcore_gyroscopic_spin(&body, motion.angular_velocity, 0.01, motion.angular_velocity) == DRAGCORE_OK &&
+                dragcore_resistance(surface, &motion, 1.2, &model, s) == DRAGCORE_OK &&
+                dragcore_step_secant_implicit(s, &body, &motion, &free_bodies[i].external, 0.01, velocity, spin) == DRAGCORE_OK,
+            "a step by itself");
+      for (k = 0; k < 3; ++k) wrong = fmax(wrong, fabs(velocities[6 * i + k] - velocity[k]) + fabs(velocities[6 * i + 3 + k] - spin[k]));
+    }
+    check(wrong < 1e-3, "give the same"); /* of forces of 500 N, in single precision: 2e-6 of them */
   }
-  check(dragcore_evaluate_many(bodies, count, 1.2, found) == DRAGCORE_OK, "many bodies at once");
-  check(dragcore_step_free_bodies(free_bodies, count, 1.2, 0.01, velocities) == DRAGCORE_OK, "and a step of each");
-  for (i = 0; i < count; ++i) {
-    dragcore_motion motion = bodies[i].motion;
-    check(dragcore_evaluate(surface, &motion, 1.2, &model, &alone) == DRAGCORE_OK, "one by one");
-    for (k = 0; k < 3; ++k) wrong = fmax(wrong, fabs(found[i].force[k] - alone.force[k]) + fabs(found[i].torque[k] - alone.torque[k]));
-    check(dragcore_gyroscopic_spin(&body, motion.angular_velocity, 0.01, motion.angular_velocity) == DRAGCORE_OK &&
-              dragcore_resistance(surface, &motion, 1.2, &model, s) == DRAGCORE_OK &&
-              dragcore_step_secant_implicit(s, &body, &motion, &free_bodies[i].external, 0.01, velocity, spin) == DRAGCORE_OK,
-          "a step by itself");
-    for (k = 0; k < 3; ++k) wrong = fmax(wrong, fabs(velocities[6 * i + k] - velocity[k]) + fabs(velocities[6 * i + 3 + k] - spin[k]));
-  }
-  check(wrong < 1e-3, "give the same"); /* of forces of 500 N, in single precision: 2e-6 of them */
+  bodies[6].motion.viscosity = 0.2;
+  check(dragcore_evaluate_many(bodies, count, 1.2, found) == DRAGCORE_INVALID_ARGUMENT && says("motion.viscosity of body 6"),
+        "all are in one medium");
   bodies[7].model = NULL;
   check(dragcore_evaluate_many(bodies, count, 1.2, found) == DRAGCORE_INVALID_ARGUMENT && says("model is NULL"), "each has a model");
   check(dragcore_evaluate_many(NULL, 0, 1.2, NULL) == DRAGCORE_OK, "none is none");

@@ -23,6 +23,8 @@ inline Model whole_model() {
 inline const Motion whole_motion{
     .wind = {5, 1, 2}, .velocity = {0, 1, 0}, .angular_velocity = {1, 2, 3}, .wind_gradient = 0.2 * Eigen::Matrix3d::Identity()};
 
+inline constexpr Medium viscous_medium{.viscosity = 0.3};  // Re of order 10
+
 inline void take_away(unsigned i, Model& model, Motion& motion) {
   switch (effect(i)) {
     case Effect::leeward_suction:
@@ -51,6 +53,9 @@ inline void take_away(unsigned i, Model& model, Motion& motion) {
       break;
     case Effect::wind_variation:
       motion.wind_gradient.setZero();
+      break;
+    case Effect::viscous:
+      model.law.stokes = model.law.layer = 0.0;
       break;
   }
 }
@@ -82,9 +87,10 @@ inline std::uint64_t hash_of_results(Effects effects) {
       for (Eigen::Index i = 0; i < surface.size(); ++i) winds.push_back(random.vector(5.0));
       motion.triangle_wind = winds;
     }
-    for (const Wrench& term : wrench(surface, motion, {}, model).terms)
+    const Medium medium = seed % 4 < 2 ? Medium{} : viscous_medium;
+    for (const Wrench& term : wrench(surface, motion, medium, model).terms)
       for (int k = 0; k < 3; ++k) add(term.force[k] + 0.0), add(term.torque[k] + 0.0);  // -0 is 0
-    const TriangleForces parts = triangle_forces(surface, motion, {}, model);
+    const TriangleForces parts = triangle_forces(surface, motion, medium, model);
     for (Eigen::Index i = 0; i < surface.size(); ++i)
       for (int k = 0; k < 3; ++k) add(parts.force(k, i) + 0.0), add(parts.torque(k, i) + 0.0);
   }

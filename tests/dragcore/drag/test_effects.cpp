@@ -27,20 +27,24 @@ Counts counted(const std::function<void()>& run) {
 }
 
 /// Of every function that walks over a surface.
-std::vector<Counts> counts_of(const Surface& surface, const Motion& motion, const Model& model) {
-  return {counted([&] { wrench(surface, motion, {}, model); }), counted([&] { triangle_forces(surface, motion, {}, model); }),
-          counted([&] { resistance(surface, motion, {}, model); }), counted([&] { force_jacobian(surface, motion, {}, model); })};
+std::vector<Counts> counts_of(const Surface& surface, const Motion& motion, const Model& model, const Medium& medium = {}) {
+  return {counted([&] { wrench(surface, motion, medium, model); }), counted([&] { triangle_forces(surface, motion, medium, model); }),
+          counted([&] { resistance(surface, motion, medium, model); }), counted([&] { force_jacobian(surface, motion, medium, model); })};
 }
 
 }  // namespace
 
 TEST_CASE("what is on is evaluated, by every function", "[effects][limit]") {
   const Surface ball = zoo::surface(Sphere{}, 2);
-  for (const Counts& counts : counts_of(ball, whole_motion, whole_model()))
-    for (unsigned i = 0; i < effect_count; ++i) {
-      INFO(to_string(effect(i)));
-      CHECK(counts[i] > 0);
-    }
+  for (const Medium& medium : {Medium{}, effects_cases::viscous_medium}) {
+    // The viscous terms take the place of friction.
+    const Effect absent = medium.viscosity > 0.0 ? Effect::friction : Effect::viscous;
+    for (const Counts& counts : counts_of(ball, whole_motion, whole_model(), medium))
+      for (unsigned i = 0; i < effect_count; ++i) {
+        INFO(to_string(effect(i)));
+        CHECK((counts[i] > 0) == (effect(i) != absent));
+      }
+  }
   // Every source of wind variation, every form of pillow.
   Motion motion = whole_motion;
   const std::vector<Vector3d> winds(static_cast<std::size_t>(ball.size()), Vector3d(1, 2, 3));
@@ -59,12 +63,16 @@ TEST_CASE("what is on is evaluated, by every function", "[effects][limit]") {
 TEST_CASE("what the mask, the law, the pillow or the motion leaves out is not evaluated once, and all else still is", "[effects][limit]") {
   for (const Surface& body : {zoo::surface(Sphere{}, 2), zoo::surface(Box{}, 1), zoo::surface(Plate{1, 1, 0}, 1)})
     for (unsigned i = 0; i < effect_count; ++i) {
-      const std::vector<Counts> all = counts_of(body, whole_motion, whole_model());
-      Model masked = whole_model(), without = whole_model();
+      const Medium medium = effect(i) == Effect::viscous ? effects_cases::viscous_medium : Medium{};
+      Model masked = whole_model();
+      if (effect(i) == Effect::viscous) masked.law.friction = 0.0;  // comes back when they go
+      Model without = masked;
+      const std::vector<Counts> all = counts_of(body, whole_motion, masked, medium);
       Motion motion = whole_motion;
       masked.effects = Effects::all().without(effect(i));
       take_away(i, without, motion);
-      const std::vector<Counts> by_mask = counts_of(body, whole_motion, masked), by_cause = counts_of(body, motion, without);
+      const std::vector<Counts> by_mask = counts_of(body, whole_motion, masked, medium),
+                                by_cause = counts_of(body, motion, without, medium);
       for (std::size_t function = 0; function < all.size(); ++function)
         for (unsigned j = 0; j < effect_count; ++j) {
           INFO("without " << to_string(effect(i)) << ", count of " << to_string(effect(j)) << ", function " << function);
@@ -96,7 +104,7 @@ TEST_CASE("masks do not touch each other: 400 random cases, any subset of effect
     model.effects = Effects{};
     for (unsigned i = 0; i < effect_count; ++i)
       if (random.uniform(0.0, 1.0) < 0.5) model.effects = model.effects | effect(i);
-    for (const Counts& counts : counts_of(surface, whole_motion, model))
+    for (const Counts& counts : counts_of(surface, whole_motion, model, seed % 2 ? effects_cases::viscous_medium : Medium{}))
       for (unsigned i = 0; i < effect_count; ++i)
         if (!model.effects.has(effect(i))) REQUIRE(counts[i] == 0);
   }

@@ -27,8 +27,8 @@ void count(const std::string& name, const std::function<void()>& work) {
 
 volatile double sink = 0.0;  // so that nothing is optimised away
 
-void count_wrench(const std::string& name, const Surface& surface, const Motion& motion, const Model& model) {
-  count(name, [&] { sink = wrench(surface, motion, {}, model).total().force.x(); });
+void count_wrench(const std::string& name, const Surface& surface, const Motion& motion, const Model& model, const Medium& medium = {}) {
+  count(name, [&] { sink = wrench(surface, motion, medium, model).total().force.x(); });
 }
 
 void count_evaluations() {
@@ -40,6 +40,8 @@ void count_evaluations() {
         Model model = bench::model(law, surface);
         model.precision = Precision::single;
         count_wrench("wrench/single/" + name + "/" + way + "/" + law, surface, bench::motion(way), model);
+        if (law == "class+pillow")
+          count_wrench("wrench/single/" + name + "/" + way + "/" + law + "+viscous", surface, bench::motion(way), model, {.viscosity = 1.8e-5});
       }
   count("resistance/now/cube-12/spinning",
         [&] { sink = resistance(cube.surface, bench::motion("spinning"), {}, model_for(cube.surface))(0, 0); });
@@ -73,17 +75,20 @@ void count_effects() {
         for (const std::string body : {"ball-2048", "ball-4608"}) {
           const Surface& surface = bench::body(body).surface;
           auto [model, motion] = scene(i, others);
+          const bool is_viscous = effects_cases::effect(i) == Effect::viscous;
+          if (is_viscous) model.law.friction = 0.0;  // comes back when they go
+          const Medium medium = is_viscous ? effects_cases::viscous_medium : Medium{};
           model.precision = precision;
           const std::string name =
               std::string("effect/") + word + (others ? "-with-all/" : "-alone/") + to_string(effects_cases::effect(i));
-          count_wrench(name + "/felt/" + body, surface, motion, model);
+          count_wrench(name + "/felt/" + body, surface, motion, model, medium);
           Model masked = model;
           masked.effects = Effects::all().without(effects_cases::effect(i));
           // Recovery is a share of the base suction: a law without the one has not the other, a mask may have.
           if (effects_cases::effect(i) == Effect::base_suction) masked.effects = masked.effects.without(Effect::recovery);
-          count_wrench(name + "/masked/" + body, surface, motion, masked);
+          count_wrench(name + "/masked/" + body, surface, motion, masked, medium);
           effects_cases::take_away(i, model, motion);
-          count_wrench(name + "/lacking/" + body, surface, motion, model);
+          count_wrench(name + "/lacking/" + body, surface, motion, model, medium);
         }
 }
 
