@@ -367,7 +367,7 @@ Calibration calibrate_class_laws(const std::vector<CaseRecord>& records) {
   return calibration;
 }
 
-Calibration calibrate_viscous_terms(const std::vector<CaseRecord>& records, bool with_held_out) {
+Calibration calibrate_viscous_terms(const std::vector<CaseRecord>& records) {
   const ClassLaw viscous{.name = "viscous terms",
                          .parameters = {{"layer", 1e-4, 5.0, 1e-4, 1e-4, 0.75}, {"layer_curvature", 1e-4, 10.0, 1e-4, 1e-4, 1.4}},
                          .model =
@@ -383,13 +383,14 @@ Calibration calibrate_viscous_terms(const std::vector<CaseRecord>& records, bool
   std::vector<const CaseRecord*> cases;
   for (const CaseOfRecord& chosen : cases_of_record(records)) {
     const CaseRecord& record = *chosen.family.record;
-    if (is_usable(record.status) && (with_held_out || !record.held_out) && record.reynolds < 200.0 && record.viscosity > 0.0) cases.push_back(&record);
+    if (is_usable(record.status) && !chosen.held_out && record.reynolds < 200.0 && record.viscosity > 0.0 && record.knows_force() &&
+        !record.spins())
+      cases.push_back(&record);
   }
   if (cases.size() < 4)
     throw std::invalid_argument("calibrate: " + std::to_string(cases.size()) +
-                                " usable cases below Re 200" + (with_held_out ? "" : " that are not held out") +
-                                ", but at least 4 are needed; solve more of the matrix `reference`" +
-                                (with_held_out ? "" : ", or take those held out, too: --with-held-out"));
+                                " usable cases below Re 200 that are not held out, but at least 4 are needed; solve more of the matrix "
+                                "`low_reynolds`");
   Calibration calibration;
   calibration.fits.push_back(fit_class_law(viscous, cases));
   return calibration;

@@ -59,11 +59,10 @@ Calibration calibrate(const std::vector<case_record::CaseRecord>& records);
 /// @throws std::invalid_argument  with fewer than two cases per parameter
 Calibration calibrate_class_laws(const std::vector<case_record::CaseRecord>& records);
 
-/// Fits the boundary layer of both laws by class, Law::layer and Law::layer_curvature, to the force vector of all usable cases below Re 200,
-/// each at its own Reynolds number; weights as above. `model` has both laws. Takes a minute.
-/// @param with_held_out  cases that are marked held_out, too: no other fit has seen those below Re 1e4
+/// Fits the boundary layer of both laws by class, Law::layer and Law::layer_curvature, to the force vector of all usable cases at rest below
+/// Re 200 that are not held out, each at its own Reynolds number; weights as above. `model` has both laws. Takes a minute.
 /// @throws std::invalid_argument  with fewer than four cases
-Calibration calibrate_viscous_terms(const std::vector<case_record::CaseRecord>& records, bool with_held_out);
+Calibration calibrate_viscous_terms(const std::vector<case_record::CaseRecord>& records);
 
 /// Distance of the force's line of action from the centroid, over L_ref, signed like the moment that the pose drives.
 /// Empty where the force is below 1e-3 q A_ref.

@@ -115,7 +115,7 @@ dragcore::LawFile law_on_file(const std::filesystem::path& file, const dragcore:
 void add_calibrate(CLI::App& app, Context&) {
   struct Options {
     SourceOptions source;
-    bool json = false, class_laws = false, viscous = false, with_held_out = false;
+    bool json = false, class_laws = false, viscous = false;
     std::string write;
   };
   const auto options = std::make_shared<Options>();
@@ -125,16 +125,14 @@ void add_calibrate(CLI::App& app, Context&) {
   command->add_flag("--json", options->json, "Print JSON");
   command->add_flag("--class-laws", options->class_laws, "Fit the laws by class, sheet and closed, to the force vector instead (a minute)");
   command->add_flag("--viscous", options->viscous, "Fit the viscous terms of both laws by class to the force vectors below Re 200 instead");
-  command->add_flag("--with-held-out", options->with_held_out, "With --viscous: fit to cases that are marked held_out, too");
   command->add_option("--write", options->write, "With --class-laws or --viscous: folder for sheet.toml and closed.toml with what was found");
   command->callback([options] {
     if (options->class_laws && options->viscous) throw UsageError("--class-laws and --viscous are two fits: one after the other");
-    if (options->with_held_out && !options->viscous) throw UsageError("--with-held-out belongs to --viscous");
     if (!options->write.empty() && !options->class_laws && !options->viscous)
       throw UsageError("--write belongs to --class-laws and --viscous");
     const auto cases = load(options->source).reference.cases;
     const compare::Calibration calibration = options->class_laws ? compare::calibrate_class_laws(cases)
-                                             : options->viscous ? compare::calibrate_viscous_terms(cases, options->with_held_out)
+                                             : options->viscous ? compare::calibrate_viscous_terms(cases)
                                                                 : compare::calibrate(cases);
     if (options->json) {
       std::cout << to_json(calibration).dump(2) << "\n";

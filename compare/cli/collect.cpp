@@ -27,9 +27,9 @@ void add_collect(CLI::App& app, Context& context) {
   command->add_flag("--json", options->json, "Print JSON");
   command->callback([options, &context] {
     std::vector<compare::CaseRecord> runs = compare::read_runs(std::filesystem::path(options->cache) / "runs");
+    // The matrix as it is now says what is held out of fits, whatever it said when a case was solved.
+    std::map<std::string, bool> held_out;
     if (!options->matrix.empty()) {
-      // The matrix as it is now says what is held out of fits, whatever it said when a case was solved.
-      std::map<std::string, bool> held_out;
       for (const cfd_cases::CaseSpec& spec : cfd_cases::load_matrix(options->matrix).cases) held_out[spec.name] = spec.held_out;
       std::erase_if(runs, [&](const compare::CaseRecord& run) { return !held_out.contains(run.name); });
       for (compare::CaseRecord& run : runs) run.held_out = held_out.at(run.name);
@@ -40,7 +40,9 @@ void add_collect(CLI::App& app, Context& context) {
       return;
     }
     const bool exists = std::filesystem::exists(options->into);
-    const compare::Reference merged = compare::merged(exists ? compare::read_reference(options->into) : compare::Reference{}, runs);
+    compare::Reference merged = compare::merged(exists ? compare::read_reference(options->into) : compare::Reference{}, runs);
+    for (compare::CaseRecord& known : merged.cases)
+      if (const auto now = held_out.find(known.name); now != held_out.end()) known.held_out = now->second;
     if (const auto folder = std::filesystem::path(options->into).parent_path(); !folder.empty())
       std::filesystem::create_directories(folder);
     const bool written = compare::write_reference(options->into, merged, revision());

@@ -133,3 +133,37 @@ TEST_CASE("the laws by class are found again from references that they made", "[
   CHECK(found.fits[1].errors[0].note > 0.05);
   CHECK_THROWS_WITH(calibrate_class_laws({records[0]}), Catch::Contains("at least"));
 }
+
+TEST_CASE("the boundary layer is found again from references below Re 200", "[compare][calibration][analytic]") {
+  const auto with_layer = [](dragcore::Law law) {
+    law.stokes = 1.0, law.layer = 1.2, law.layer_curvature = 0.6;
+    return law;
+  };
+  const dragcore::Model truth{.law = with_layer(dragcore::closed_law()),
+                              .sheets = dragcore::SheetModel{.law = with_layer(dragcore::sheet_law())}};
+  std::vector<CaseRecord> records;
+  const auto add = [&](const dragcore::Shape& shape, double reynolds, double incidence, double yaw) {
+    CaseRecord record = made_by(truth, shape, incidence, yaw);  // of air without viscosity; now as it should be
+    record.name = dragcore::kind(shape) + std::to_string(records.size()) + "_re-1e1-laminar_medium";
+    record.reynolds = reynolds;
+    record.viscosity = dragcore::properties(shape).reference_length / reynolds;
+    record.flow_model = "laminar";
+    record.load.force_pressure = predict(record, truth).total().force;
+    records.push_back(record);
+  };
+  for (const double reynolds : {1.0, 30.0, 100.0}) {
+    add(dragcore::Sphere{}, reynolds, 0, 0);
+    add(dragcore::Box{}, reynolds, 0, 30);
+    add(dragcore::Plate{}, reynolds, 40, 0);
+  }
+  add(dragcore::Box{}, 100, 0, 0);
+  records.back().held_out = true;
+  records.back().load.force_pressure *= 2.0;  // would spoil the fit
+
+  const Fit fit = calibrate_viscous_terms(records).fits.front();
+  CHECK(fit.cases.size() == 9);
+  CHECK_THAT(fit.model.law.layer, WithinAbs(1.2, 6e-3));  // spheres: 12 divisions in the fit against 32 in the references
+  CHECK_THAT(fit.model.law.layer_curvature, WithinAbs(0.6, 2e-2));
+  CHECK(fit.model.sheets->law.layer == fit.model.law.layer);
+  CHECK_THROWS_WITH(calibrate_viscous_terms({records[0]}), Catch::Contains("low_reynolds"));
+}
