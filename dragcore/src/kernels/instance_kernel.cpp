@@ -376,16 +376,17 @@ HWY_INLINE void turn_by_inertia(InstanceSteps& steps, std::size_t lane) {
   const W rate = hn::Mul(wide_set(0.25 * steps.dt), hn::Mul(d0, hn::Mul(d1, d2)));
   W change[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
   for (int iteration = 0; iteration < 4; ++iteration) {
-    W twice[3], q[3], across[3], over[3];
+    W twice[3], q[3], sine[3], across[3], over[3];
     for (std::size_t i = 0; i < 3; ++i) twice[i] = hn::Mul(rate, hn::MulAdd(wide_set(2.0), y[i], change[i]));
     // C^T C times it
     const W m0 = hn::Mul(c00, twice[0]), m1 = hn::MulAdd(c10, twice[0], hn::Mul(c11, twice[1])),
             m2 = hn::MulAdd(c20, twice[0], hn::MulAdd(c21, twice[1], hn::Mul(c22, twice[2])));
     q[0] = hn::MulAdd(c00, m0, hn::MulAdd(c10, m1, hn::Mul(c20, m2)));
     q[1] = hn::MulAdd(c11, m1, hn::Mul(c21, m2)), q[2] = hn::Mul(c22, m2);
-    cross3(q, y, across), cross3(q, across, over);
     const W scale = hn::Div(wide_set(2.0), hn::Add(one, sum_of_products(q, q, 3)));
-    for (std::size_t i = 0; i < 3; ++i) change[i] = hn::Mul(scale, hn::Add(across[i], over[i]));
+    for (std::size_t i = 0; i < 3; ++i) sine[i] = hn::Mul(scale, q[i]);
+    cross3(sine, y, across), cross3(q, across, over);
+    for (std::size_t i = 0; i < 3; ++i) change[i] = hn::Add(across[i], over[i]);
   }
   const W turned2 = hn::Mul(d2, change[2]), turned1 = hn::Mul(d1, hn::NegMulAdd(c21, turned2, change[1])),
           turned0 = hn::Mul(d0, hn::NegMulAdd(c10, turned1, hn::NegMulAdd(c20, turned2, change[0])));

@@ -109,7 +109,8 @@ Secant full_secant(const Surface& surface, const Motion& motion, const Medium& m
           add(local, tangent, factor);
           add(local, local.normal.cross(tangent), factor);
         } else {  // pressure over normal velocity, times the dyad of the normal
-          add(local, local.normal, factor / local.c);
+          // A law that jumps edge-on has a pressure where that velocity is next to nothing: no more than the kernels, which stop at 1e-30.
+          add(local, local.normal, factor / std::max(local.c, 1e-30));
         }
       },
       feels_spin(model));

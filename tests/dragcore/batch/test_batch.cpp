@@ -134,7 +134,7 @@ TEST_CASE("no step of a batch adds energy, at any time step", "[batch][stepping]
     bodies.back().motion.wind.setZero();
   }
   std::vector<Vector6d> found(bodies.size());
-  for (const double dt : {1e-3, 1.0 / 60, 1.0, 1e4})
+  for (const double dt : {1e-3, 1.0 / 60, 1.0, 1e4, 1e155})
     for (int step = 0; step < 20; ++step) {
       step_free_bodies(bodies, {}, dt, found);
       for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -142,7 +142,7 @@ TEST_CASE("no step of a batch adds energy, at any time step", "[batch][stepping]
         before << bodies[i].motion.velocity, bodies[i].motion.angular_velocity;
         INFO("body " << i << ", step " << step << " of " << dt << " s");
         REQUIRE(found[i].allFinite());
-        REQUIRE(energy(masses[i], found[i]) <= energy(masses[i], before) * (1 + 1e-11));  // of the iteration for the spin
+        REQUIRE(energy(masses[i], found[i]) <= energy(masses[i], before) * (1 + 1e-14));  // rounding of a solve
         bodies[i].motion.velocity = found[i].head<3>(), bodies[i].motion.angular_velocity = found[i].tail<3>();
       }
     }

@@ -336,6 +336,20 @@ TEST_CASE("no force or torque jumps where a face is edge-on or normal to the flo
   CHECK(eccentric_jump > 0.01);
 }
 
+TEST_CASE("a law whose force jumps edge-on has a secant matrix that is one however near to edge-on", "[hard][limit]") {
+  // Regression: pressure over a normal velocity of 1e-310 was no number, and so was the step after a few long ones.
+  Law jumps = note_law();
+  jumps.windward[0] = 1.0;
+  for (const Precision precision : hostile::precisions)
+    for (const double beside : {1e-20, 1e-100, 1e-300, 1e-310, denormal}) {
+      const Model model{.law = jumps, .precision = precision};
+      const Matrix6d S = resistance(zoo::surface(Plate{1, 1, 0}, 1), {.wind = {1, 0, beside}}, {}, model);
+      INFO("beside by " << beside << (precision == Precision::single ? ", single" : ""));
+      CHECK(S.allFinite());
+      CHECK(S(2, 2) >= 0.0);
+    }
+}
+
 TEST_CASE("air at rest relative to the body, or slower than the square root of the least number, is no force and no trouble",
           "[hard][limit]") {
   const Surface bodies[] = {zoo::surface(Box{}, 1), zoo::surface(Sphere{}, 2), zoo::surface(Plate{1, 1, 0}, 1)};
