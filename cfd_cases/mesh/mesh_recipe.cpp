@@ -194,8 +194,10 @@ MeshRecipe recipe_for(MeshRecipe recipe, const dragcore::Shape& shape, double re
     recipe.body_size = std::min(recipe.body_size, 0.3 * shortest * shortest / longest / body_scale(shape));
   }
   if (reynolds >= 50.0 || recipe.hexahedra != 0.0 || recipe.far_radius != 0.0) return recipe;
-  for (double* side : {&recipe.upstream, &recipe.downstream, &recipe.sideways}) *side = std::max(*side, 30.0);
-  recipe.far_size = std::max(recipe.far_size, 6.0);
+  const MeshRecipe usual;
+  for (const auto member : {&MeshRecipe::upstream, &MeshRecipe::downstream, &MeshRecipe::sideways})
+    if (recipe.*member == usual.*member) recipe.*member = 30.0;
+  if (recipe.far_size == usual.far_size) recipe.far_size = 6.0;
   return recipe;
 }
 

@@ -71,9 +71,10 @@ MeshRecipe octree_recipe();
 /// the front of a ball has some eight cells.
 MeshRecipe o_grid_recipe();
 
-/// The recipe for a body in flow of a Reynolds number. Where viscosity carries the body's presence far, below 50, a box of air keeps at
-/// least 30 body scales to each side: at Re 1 air of 8 adds 2.4 % to the drag of a ball, air of 30 adds 0.2 %; coarse cells fill it. On an
-/// ellipsoid the faces are at most 0.3 of its sharpest radius of curvature, so that a flat one keeps its rim.
+/// The recipe for a body in flow of a Reynolds number. Where viscosity carries the body's presence far, below 50, a box of air has 30 body
+/// scales to each side unless something else was asked for: `dragval variants` shows what walls nearer and farther do to a ball at Re 1;
+/// coarse cells fill the air. On an ellipsoid the faces are at most 0.3 of its sharpest radius of curvature, so that a flat one keeps its
+/// rim.
 MeshRecipe recipe_for(MeshRecipe recipe, const dragcore::Shape& shape, double reynolds);
 
 /// Cell size factor of a level: consecutive levels differ by 1.4, which gives 2.2-2.7 times the cells (of an octree by 2). "medium" is 1.
