@@ -1,5 +1,6 @@
 #include <hdf5.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <iterator>
@@ -415,4 +416,36 @@ TEST_CASE("a body of triangles comes back from the store whole, each mesh kept o
 
   compare::write_run(folder / "run.h5", reference.cases[1]);
   CHECK(dragcore::parameters(compare::read_run(folder / "run.h5").shape) == dragcore::parameters(reference.cases[1].shape));
+}
+
+// Finer meshes than these would let it fade: docs/cfd.md, "Friction along the normal". What the test holds is that it is there, on bodies
+// whose patches are flat, so that nobody takes the stored friction for shear alone, and that the total converges all the same.
+TEST_CASE("the stored friction of slow flow has a part along the normal, and the total converges with it", "[compare][store]") {
+  const compare::Reference reference = compare::read_reference(SOURCE_FOLDER "/results/reference.h5");
+  struct Level {
+    double drag, along_normal, cells;
+  };
+  std::vector<Level> levels;
+  for (std::size_t i = 0; i < reference.cases.size(); ++i) {
+    const compare::CaseRecord& record = reference.cases[i];
+    if (!record.name.starts_with("cube_incidence-000_re-1e2-laminar_")) continue;
+    Eigen::Vector3d along_normal = Eigen::Vector3d::Zero();
+    for (const compare::PatchMean& patch : reference.patches[i]) {
+      const Eigen::Vector3d n = patch.area_vector.normalized();
+      along_normal += patch.area * n * n.dot(patch.friction_coefficient);
+    }
+    // The pose is upright: body and wind frame are one.
+    levels.push_back({2.0 * record.load.force().x(), along_normal.x(), static_cast<double>(record.cells)});
+  }
+  REQUIRE(levels.size() == 4);
+  std::sort(levels.begin(), levels.end(), [](const Level& a, const Level& b) { return a.cells < b.cells; });
+  for (const Level& level : levels) {
+    CHECK(level.along_normal > 0.03 * level.drag);
+    CHECK(level.along_normal < 0.12 * level.drag);
+  }
+  for (std::size_t i = 0; i + 2 < levels.size(); ++i) {
+    CHECK(levels[i].drag > levels[i + 1].drag);
+    // The ratio of cell sizes is 1.4: the differences fall faster than the first power of the size.
+    CHECK(levels[i].drag - levels[i + 1].drag > 1.4 * (levels[i + 1].drag - levels[i + 2].drag));
+  }
 }
