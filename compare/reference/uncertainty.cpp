@@ -300,7 +300,7 @@ Eigen::Vector3d exposure(const CaseRecord& record) {
 std::optional<Carried> nearest_representative(const CaseFamily& family, const std::vector<const CaseFamily*>& representatives) {
   const CaseRecord& record = *family.record;
   std::optional<Carried> best;
-  double nearest = -2.0;  // cosine of the angle between exposures, 3 more for the same body
+  double nearest = -1e9;  // cosine of the angle between exposures, 3 more for the same body
   for (const CaseFamily* candidate : representatives) {
     const CaseRecord& other = *candidate->record;
     if (dragcore::kind(other.shape) != dragcore::kind(record.shape) || other.flow_model != record.flow_model ||
@@ -309,7 +309,10 @@ std::optional<Carried> nearest_representative(const CaseFamily& family, const st
     const auto carried = carried_from(*candidate, record.mesh_level);
     if (!carried) continue;
     constexpr double same = 1e-6;  // a pose half way between two takes the worse
-    const double closeness = exposure(record).dot(exposure(other)) + (other.surface_checksum == record.surface_checksum ? 3.0 : 0.0);
+    // A decade of the Reynolds number counts as much as a turn by 26 degrees: wakes change with both.
+    const double decades = std::abs(std::log10(other.reynolds / record.reynolds));
+    const double closeness =
+        exposure(record).dot(exposure(other)) - 0.1 * decades + (other.surface_checksum == record.surface_checksum ? 3.0 : 0.0);
     if (best && (closeness < nearest - same || (closeness < nearest + same && carried->force <= best->force))) continue;
     best = carried;
     nearest = closeness;

@@ -200,6 +200,25 @@ TEST_CASE("what is carried comes from the same body, if it can, before it comes 
   CHECK_THAT(family_at(same, "box_yaw-30_re-1e5").uncertainty.branches[0], Contains("carried from box_yaw-90"));
 }
 
+TEST_CASE("of two alike, what is carried comes from the nearer Reynolds number", "[compare][limit]") {
+  auto records = three_cubes_at_45();
+  for (auto [level, cells, drag] : {std::tuple("coarse", 12500, 2.7), {"medium", 100000, 2.35}, {"fine", 800000, 2.2}}) {
+    auto slow = cube(45, level, cells, {drag, 0.0, 0.0});
+    slow.name.replace(slow.name.find("1e5"), 3, "1e2");
+    slow.reynolds = 100.0;
+    records.push_back(slow);
+  }
+  for (const double reynolds : {10.0, 1e4}) {
+    auto alone = cube(45, "medium", 90000, {3.0, 0.0, 0.0});
+    alone.name.replace(alone.name.find("1e5"), 3, reynolds > 100.0 ? "1e4" : "1e1");
+    alone.reynolds = reynolds;
+    records.push_back(alone);
+  }
+  const auto families = compare::case_families(records);
+  CHECK_THAT(family_at(families, "cube_yaw-45_re-1e1").uncertainty.branches[0], Contains("carried from cube_yaw-45_re-1e2"));
+  CHECK_THAT(family_at(families, "cube_yaw-45_re-1e4").uncertainty.branches[0], Contains("carried from cube_yaw-45_re-1e5"));
+}
+
 TEST_CASE("a family of three levels does not change when others carry from it", "[compare][invariance]") {
   const auto alone = three_cubes_at_45();
   auto records = alone;
