@@ -83,8 +83,9 @@ std::optional<LoadUncertainty::Channels> discretisation_at(const CaseFamily& fam
 ///
 /// The discretisation uncertainty comes from mesh_study() where three or more levels are usable. Elsewhere it is carried from the
 /// representative family (three levels, same body or else kind of shape, flow model and spin, no variant) whose wind, or axis of spin, is
-/// nearest in the body's frame and whose Reynolds number is near (a decade counts as 26 degrees): the distance of its mesh of the same level from its finest and the u of the finest, relative to max(|C| of
-/// the channel, 0.3 of the force, or 0.1 for a moment); and two usable levels give mesh_study(), never less than what is carried.
+/// nearest in the body's frame and whose Reynolds number is near (a decade counts as 26 degrees): the distance of its mesh of the same level
+/// from its finest and the u of the finest, relative to max(|C| of the channel, 0.3 of the force, or 0.1 for a moment); and two usable levels
+/// give mesh_study(), never less than what is carried.
 /// docs/conventions.md, "Uncertainty".
 std::vector<CaseFamily> case_families(const std::vector<case_record::CaseRecord>& records);
 
