@@ -12,7 +12,14 @@ Law note_law() { return {.name = "note", .windward = {0.0, 0.0, 2.0, -1.0, 0.0}}
 
 Law consistent_law() { return {.name = "consistent", .windward = {0.0, 2.0, -1.0, 0.0, 0.0}}; }
 
-Law sheet_law() { return {.name = "sheet", .windward = {0.0, 2.016, -0.83, 0.0, 0.0}, .friction = 0.0025, .stokes = 1.0, .layer = 0.75, .layer_curvature = 1.4}; }
+Law sheet_law() {
+  return {.name = "sheet",
+          .windward = {0.0, 2.016, -0.83, 0.0, 0.0},
+          .friction = 0.0025,
+          .stokes = 1.0,
+          .layer = 1.096,
+          .layer_curvature = 0.583};
+}
 
 Law closed_law() {
   return {.name = "closed",
@@ -24,8 +31,8 @@ Law closed_law() {
           .shelter = 1.698,
           .curvature = 0.819,
           .stokes = 1.0,
-          .layer = 0.75,
-          .layer_curvature = 1.4};
+          .layer = 1.096,
+          .layer_curvature = 0.583};
 }
 
 Law scaled_law(double windward_scale, double base_suction) {

@@ -171,8 +171,8 @@ TEST_CASE("the tiers of the repository can be read, and quick holds what the mai
   }
   CHECK(load_matrix("smoke").cases.size() == 2);
   CHECK(load_matrix("reference").cases.size() > 60);
-  // Bodies that no fit may see, drawn by lot: six of the thirteen new kinds, three of the ten at low Reynolds numbers.
-  for (const auto& [tier, bodies, unseen] : {std::tuple{"kinds", 13u, 6u}, std::tuple{"low_reynolds", 10u, 3u}}) {
+  // Bodies that no fit may see, drawn by lot: six of the thirteen new kinds and the one that low_reynolds drew, three of its ten.
+  for (const auto& [tier, bodies, unseen] : {std::tuple{"kinds", 13u, 7u}, std::tuple{"low_reynolds", 10u, 3u}}) {
     std::set<std::string> all, held_out;
     for (const auto& spec : load_matrix(tier).cases) {
       std::string body = dragcore::kind(spec.shape);

@@ -129,8 +129,13 @@ TEST_CASE("an experiment known worse, or in part, does not stand for what was so
     return cases[0].family.record->name;
   };
   CHECK(record_of({solved, read_one(plate_line)}) == solved.name);  // 2 % of the drag, nothing of the lift
-  const auto ball = sample::record("sphere_incidence-000_re-1e5", dragcore::Sphere{}, {});
-  CHECK(record_of({ball, read_one("sphere,,0,1e5,0.785,0.5,0.3,0,somebody_1900\n")}) == ball.name);
+  const auto ball_on = [](const std::string& level, int cells) {
+    return sample::record("sphere_incidence-000_re-1e5", dragcore::Sphere{}, {}, level, cells);
+  };
+  const auto ball = ball_on("fine", 96000);
+  const auto known_worse = read_one("sphere,,0,1e5,0.785,0.5,0.3,0,somebody_1900\n");
+  CHECK(record_of({ball_on("medium", 12000), ball, known_worse}) == ball.name);
+  CHECK(record_of({ball, known_worse}) == known_worse.name);  // on one mesh nobody knows what the mesh does
   CHECK(compare::cases_of_record({ball, read_one("sphere,,0,1e4,0.785,0.5,0.02,0,somebody_1900\n")}).size() == 2);
 }
 
