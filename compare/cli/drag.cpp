@@ -35,7 +35,7 @@ struct DragOptions {
   std::vector<double> wind, spin, centre;
   std::vector<std::string> sweep;
   std::array<double, 3> angles_deg{};  ///< incidence, yaw, roll
-  double speed = 10.0, density = dragcore::Medium{}.density;
+  double speed = 10.0, density = dragcore::Medium{}.density, viscosity = 0.0;
   std::optional<double> area, length;
   std::string format = "table";
 };
@@ -147,7 +147,7 @@ Result evaluate(const DragOptions& options, const Body& body, bool posed) {
   Result result;
   result.swept = options.sweep.empty() ? "" : options.sweep[0];
   result.centre = options.centre.empty() ? body.properties.centroid : vector_from(options.centre);
-  const dragcore::Medium medium{.density = options.density};
+  const dragcore::Medium medium{.density = options.density, .viscosity = options.viscosity};
   const dragcore::Model model = options.model.model().on(body.surface);
   result.model = options.model.label();
   if (model.law.name != options.model.law)
@@ -201,7 +201,8 @@ std::string table(const Result& result, const DragOptions& options, const Body& 
   for (const std::string& note : body.notes) page += line("note: " + note);
   for (const std::string& finding : body.findings) page += line("found: " + finding);
   page += line("model: " + result.model);
-  page += line(fmt::format("air: {}; density {:g} kg/m^3", wind_text(result), options.density));
+  page += line(fmt::format("air: {}; density {:g} kg/m^3{}", wind_text(result), options.density,
+                           options.viscosity > 0.0 ? fmt::format(", viscosity {:g} Pa s", options.viscosity) : ""));
   if (result.swept.empty())
     page += line(fmt::format("wind in the body frame: {} {} {} m/s", text(wind.x()), text(wind.y()), text(wind.z())));
   if (!spin.isZero()) page += line(fmt::format("spin: {} {} {} rad/s", text(spin.x()), text(spin.y()), text(spin.z())));
@@ -300,6 +301,7 @@ json to_json(const Result& result, const DragOptions& options, const Body& body)
           {"unit_m", options.body.unit_m()},
           {"model", result.model},
           {"density_kg_m3", options.density},
+          {"viscosity_pa_s", options.viscosity},
           {"moment_centre_m", numbers(result.centre)},
           {"area_m2", result.area},
           {"area_is", result.area_is},
@@ -337,6 +339,9 @@ void add_drag(CLI::App& app, Context&) {
   CLI::Option* spin =
       command->add_option("--spin", options->spin, "Angular velocity about the moment centre, body frame [rad/s]")->expected(3);
   command->add_option("--density", options->density, "Of the air [kg/m^3]")->check(CLI::PositiveNumber)->capture_default_str();
+  command->add_option("--viscosity", options->viscosity, "Of the air, dynamic, 1.8e-5 at 15 C; 0: not known, for Re >= 1e4 only [Pa s]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->add_option("--centre", options->centre, "Moment centre x y z [m] (default: the centroid)")->expected(3);
   command->add_option("--area", options->area, "Of the coefficients [m^2] (default: the frontal area)")->check(CLI::PositiveNumber);
   command->add_option("--length", options->length, "Of the coefficients [m] (default: the largest extent)")->check(CLI::PositiveNumber);
