@@ -156,9 +156,8 @@ std::string verdict_section(const Report& report, const std::vector<Sweep>& list
       "orientations, and with experiments where they know the force better. {} of {} cases ended with coefficients that can be compared; "
       "every one of them carries its standard uncertainty "
       "<i>u</i>, and a difference counts as an error of "
-      "the law only beyond 2<i>u</i>. The drag law knows nothing of the Reynolds number, so it is judged on the turbulent cases (Re \u2265 "
-      "10\u2074); the laminar ones check "
-      "the CFD against published values.</p>\n",
+      "the law only beyond 2<i>u</i>. What follows here is of Re \u2265 10\u2074. Below, where the law by class takes the air's viscosity into "
+      "account and the note's does not, the picture of C<sub>D</sub> against the Reynolds number and the tables by body say more.</p>\n",
       report.compared(), cases + static_cast<int>(std::count_if(note.table.rows.begin(), note.table.rows.end(), [](const ErrorRow& row) {
                            return row.status == "missing";
                          })));
