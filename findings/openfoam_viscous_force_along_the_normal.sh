@@ -6,7 +6,7 @@
 #
 # Case: square cylinder, Re 40, half of it above a symmetry line, steady, three grids of ratio 2. Sides square to the wind: front and rear.
 #
-# Why it matters: a split of drag into pressure and friction taken from `forces` at low Reynolds numbers books up to a tenth of the drag
+# Why it matters: a split of drag into pressure and friction taken from `forces` at low Reynolds numbers books several per cent of the drag
 # as friction that is none, and projecting the wall shear stress onto the wall does not give the better total. Judge totals over grids;
 # judge friction by the shear's tangential part.
 #
@@ -22,6 +22,7 @@ apt-get download -qq "openfoam=$version" "libopenfoam=$version" > /dev/null 2>&1
 # What its libraries link: open MPI and the mathematics of CGAL are on Debian's mirrors, too.
 needed=$(apt-cache depends --recurse --no-recommends --no-suggests --no-conflicts --no-breaks --no-replaces --no-enhances "libopenfoam=$version" |
   grep '^lib' | grep -v -E '^(libc6|libgcc-s1|libstdc\+\+6|libopenfoam|libcrypt1)$' | sort -u)
+# Names that only other packages provide have no file: without a library that counts, blockMesh below does not start, which is an error.
 for package in $needed; do apt-get download -qq "$package" > /dev/null 2>&1 || true; done
 for package in ./*.deb; do dpkg-deb -x "$package" root; done
 export WM_PROJECT_DIR=$work/root/usr/share/openfoam

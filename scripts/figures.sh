@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Draws the figures of README and docs from the references: docs/figures/*.svg. Arguments go to `dragval report`: --matrix quick for the cone, cube and
-# plate of the README, --cache .dragval for runs that are not collected yet.
+# Draws the figures of README and docs from the references: docs/figures/*.svg. Arguments go to `dragval report`: --matrix quick for the
+# cone, cube and plate of the README, --cache .dragval for runs that are not collected yet.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -38,5 +38,7 @@ solve spin results/reference.h5
 solve concave results/reference.h5
 solve low_reynolds results/reference.h5
 solve kinds results/reference.h5
+solve smooth results/reference.h5
+"$dragval" import compare/reference/experiments.csv
 solve studies results/studies.h5
 exit "$status"

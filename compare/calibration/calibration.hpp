@@ -52,9 +52,8 @@ struct Calibration {
 /// @throws std::invalid_argument when fewer than three cases qualify
 Calibration calibrate(const std::vector<case_record::CaseRecord>& records);
 
-/// Fits dragcore's laws by class, sheet_law() and closed_law(), to the force vector of all turbulent cases of record, measured or solved, that
-/// know all of it and are not held out;
-/// each case weighs by its relative error. Numbers of the laws that are not fitted keep their values. Takes a minute: every error estimate
+/// Fits dragcore's laws by class, sheet_law() and closed_law(), to the force vector of all turbulent cases of record, measured or
+/// solved, that know all of it and are not held out; each case weighs by its relative error. Numbers of the laws that are not fitted keep their values. Takes a minute: every error estimate
 /// is a refit.
 /// @throws std::invalid_argument  with fewer than two cases per parameter
 Calibration calibrate_class_laws(const std::vector<case_record::CaseRecord>& records);
