@@ -238,17 +238,18 @@ std::vector<Defect> make_defects() {
   return list;
 }
 
-/// What the gate sees of one usable case, without a fault.
+/// What the gate sees of one planned case, without a fault.
 struct Sound {
   const CaseRecord* record;
   CaseRecord::Channels predicted, stored;
 };
 
-std::vector<Sound> sound_cases(const std::vector<CaseRecord>& records, const NamedModel& named) {
+std::vector<Sound> sound_cases(const Baseline& baseline, const std::vector<CaseRecord>& records, const NamedModel& named) {
   std::vector<Sound> cases;
+  const std::set<std::string> planned(baseline.planned.begin(), baseline.planned.end());
   const Predictor predict_case = predictor_of_choice(named);
   for (const CaseRecord& record : records) {
-    if (!case_record::is_usable(record.status)) continue;
+    if (!planned.contains(record.name)) continue;
     const Wrench wrench = predict_case(record);
     cases.push_back({&record, coefficients(record, wrench.force, wrench.torque).values, coefficients(record).values});
   }
@@ -302,7 +303,7 @@ Odds gate_odds(const Baseline& baseline, const std::vector<CaseRecord>& records,
   const std::vector<NamedModel> models = watched();
   if (baseline.planned.empty())
     throw std::invalid_argument("a baseline without planned cases: there is nothing to seed a defect in; dragval baseline accept makes one");
-  const std::vector<Sound> sound = sound_cases(records, models.front());
+  const std::vector<Sound> sound = sound_cases(baseline, records, models.front());
   Odds odds;
   odds.unchanged_passes = run_gate(baseline, records, models).passed();
   for (const Defect& defect : defects()) {
