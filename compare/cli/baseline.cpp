@@ -50,7 +50,8 @@ void add_baseline(CLI::App& app, Context&) {
     add_source_options(*action, options->source);
     add_model_options(*action, options->model);
     action->add_option("--baseline", options->baseline, "File of the baseline")->capture_default_str();
-    action->add_option("--seeds", options->seeds, "Cache folder with the cases of the matrix seeds: what they scatter, solving again may, too");
+    action->add_option("--seeds", options->seeds,
+                       "Cache folder with the cases of the matrix seeds: what they scatter, solving again may, too");
     action->add_option("--format", options->format, "table, md or json")->capture_default_str();
     action->add_flag("--json", options->json, "The same as --format json");
     action->add_flag("--all", options->all, "Every number that changes, a line each");

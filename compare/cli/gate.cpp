@@ -42,9 +42,9 @@ void add_gate(CLI::App& app, Context& context) {
     const std::vector<compare::CaseRecord> records = load(options->source).reference.cases;
     compare::GateResult result = compare::run_gate(baseline, records, watched_models(*command, options->model));
     if (!options->solved.empty())
-      result.checks.push_back(compare::check_solved_again(
-          baseline, records, compare::read_runs(std::filesystem::path(options->solved) / "runs"),
-          options->solved_budget.empty() ? 0.0 : share_from("--solved-budget", options->solved_budget)));
+      result.checks.push_back(
+          compare::check_solved_again(baseline, records, compare::read_runs(std::filesystem::path(options->solved) / "runs"),
+                                      options->solved_budget.empty() ? 0.0 : share_from("--solved-budget", options->solved_budget)));
     std::cout << compare::render(result, format, ::isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR"));
     // An incomplete comparison says nothing, whatever the checks made of the rest.
     context.exit_code = !result.complete() ? exit_code::nothing_compared : result.passed() ? exit_code::pass : exit_code::gate_failed;

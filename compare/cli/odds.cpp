@@ -34,8 +34,8 @@ void add_odds(CLI::App& app, Context& context) {
     if (!options->solved.empty()) solved = compare::read_runs(std::filesystem::path(options->solved) / "runs");
     const compare::Odds odds = compare::gate_odds(baseline, load(options->source).reference.cases, solved);
     if (!options->solved.empty() && odds.repeats == 0)
-      throw UsageError(fmt::format("--solved {}: no case of the matrix seeds is there; dragval run seeds --cache {}", options->solved,
-                                   options->solved));
+      throw UsageError(
+          fmt::format("--solved {}: no case of the matrix seeds is there; dragval run seeds --cache {}", options->solved, options->solved));
     std::cout << compare::render(odds, format);
     context.exit_code = odds.passed() ? exit_code::pass : exit_code::gate_failed;
   });

@@ -35,9 +35,7 @@ bool moved(const std::optional<double>& a, const std::optional<double>& b) {
 
 }  // namespace
 
-double BaselineReview::CaseChange::growth_in_u() const {
-  return (std::abs(error_after) - std::abs(error_before)) / std::max(u, 1e-3);
-}
+double BaselineReview::CaseChange::growth_in_u() const { return (std::abs(error_after) - std::abs(error_before)) / std::max(u, 1e-3); }
 
 BaselineReview review(const Baseline& before, const Baseline& after) {
   constexpr std::size_t shown = 10;
@@ -54,8 +52,8 @@ BaselineReview review(const Baseline& before, const Baseline& after) {
     for_each_common(old->second, now_model, [&](const std::string& name, const std::string& channel, const Pair& entry) {
       if (moved(entry.was->cfd, entry.now->cfd) || !same_uncertainty(entry.was->u, entry.now->u)) references.insert(name);
       if (!entry.was->model || !entry.was->cfd || !entry.now->model || !entry.now->cfd) return;
-      const BaselineReview::CaseChange change{model,           name, channel, *entry.was->model - *entry.was->cfd, *entry.now->model - *entry.now->cfd,
-                                              entry.now->u};
+      const BaselineReview::CaseChange change{
+          model, name, channel, *entry.was->model - *entry.was->cfd, *entry.now->model - *entry.now->cfd, entry.now->u};
       BaselineReview::Group& group = groups[channel];
       ++group.cases;
       group.rms_before += change.error_before * change.error_before, group.rms_after += change.error_after * change.error_after;
@@ -116,7 +114,8 @@ std::string render(const BaselineReview& review, Format format) {
   groups.add({"model", "channel", "cases", "better", "by > 2u", "worse", "by > 2u", "rms error was", "is"});
   for (const auto& g : review.groups)
     groups.add({g.model, g.channel, std::to_string(g.cases), std::to_string(g.better), std::to_string(g.better_by_2u),
-                std::to_string(g.worse), std::to_string(g.worse_by_2u), fmt::format("{:.4f}", g.rms_before), fmt::format("{:.4f}", g.rms_after)});
+                std::to_string(g.worse), std::to_string(g.worse_by_2u), fmt::format("{:.4f}", g.rms_before),
+                fmt::format("{:.4f}", g.rms_after)});
   cases.add({"model", "case", "channel", "error was", "is", "u", "|error| grows by [u]"});
   for (const auto& c : review.largest)
     cases.add({c.model, c.case_name, c.channel, fmt::format("{:+.4f}", c.error_before), fmt::format("{:+.4f}", c.error_after),

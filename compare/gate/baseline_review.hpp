@@ -13,8 +13,8 @@ struct BaselineReview {
   /// Of the cases that both baselines have, in one channel of one model.
   struct Group {
     std::string model, channel;
-    int cases = 0, better = 0, worse = 0;    ///< beyond rounding
-    int better_by_2u = 0, worse_by_2u = 0;   ///< of these, |error| changes by more than twice the numerical u of the reference
+    int cases = 0, better = 0, worse = 0;   ///< beyond rounding
+    int better_by_2u = 0, worse_by_2u = 0;  ///< of these, |error| changes by more than twice the numerical u of the reference
     double rms_before = 0.0, rms_after = 0.0;
   };
   struct CaseChange {
@@ -24,8 +24,8 @@ struct BaselineReview {
     double growth_in_u() const;                    ///< of |error|; over a thousandth where u is less
   };
   int cases_added = 0, cases_removed = 0, references_changed = 0;  ///< references: cases whose CFD or u is another one
-  std::vector<Group> groups;        ///< those in which anything changed
-  std::vector<CaseChange> largest;  ///< by change of |error| in u, at most ten for each model
+  std::vector<Group> groups;                                       ///< those in which anything changed
+  std::vector<CaseChange> largest;                                 ///< by change of |error| in u, at most ten for each model
 };
 
 BaselineReview review(const Baseline& before, const Baseline& after);

@@ -12,8 +12,7 @@ namespace compare {
 namespace {
 
 int failures(const GateResult& result) {
-  return static_cast<int>(
-      std::count_if(result.checks.begin(), result.checks.end(), [](const GateCheck& check) { return !check.passed; }));
+  return static_cast<int>(std::count_if(result.checks.begin(), result.checks.end(), [](const GateCheck& check) { return !check.passed; }));
 }
 
 std::string verdict(const GateResult& result) {
@@ -57,16 +56,16 @@ std::string json_text(const GateResult& result) {
   nlohmann::json checks = nlohmann::json::array();
   for (const GateCheck& check : result.checks)
     checks.push_back({{"name", check.name}, {"passed", check.passed}, {"compared", check.compared}, {"detail", check.detail}});
-  return nlohmann::json{{"passed", result.passed()}, {"planned", result.planned}, {"compared", result.compared}, {"checks", checks}}.dump(2) +
+  return nlohmann::json{{"passed", result.passed()}, {"planned", result.planned}, {"compared", result.compared}, {"checks", checks}}.dump(
+             2) +
          "\n";
 }
 
 std::string junit(const GateResult& result) {
-  const auto xml = [](const std::string& text) {
-    return escaped(text, {{'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}});
-  };
+  const auto xml = [](const std::string& text) { return escaped(text, {{'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}}); };
   std::string text = fmt::format(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n<testsuite name=\"dragval gate\" tests=\"{}\" failures=\"{}\" errors=\"0\">\n",
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n<testsuite name=\"dragval gate\" tests=\"{}\" failures=\"{}\" "
+      "errors=\"0\">\n",
       result.checks.size(), failures(result));
   for (const GateCheck& check : result.checks) {
     text += fmt::format("<testcase classname=\"dragval.gate\" name=\"{}\"", xml(check.name));
@@ -101,11 +100,16 @@ GateFormat gate_format_from(const std::string& word) {
 
 std::string render(const GateResult& result, GateFormat format, bool colour) {
   switch (format) {
-    case GateFormat::markdown: return markdown_text(result);
-    case GateFormat::json: return json_text(result);
-    case GateFormat::junit: return junit(result);
-    case GateFormat::github: return github(result);
-    case GateFormat::table: break;
+    case GateFormat::markdown:
+      return markdown_text(result);
+    case GateFormat::json:
+      return json_text(result);
+    case GateFormat::junit:
+      return junit(result);
+    case GateFormat::github:
+      return github(result);
+    case GateFormat::table:
+      break;
   }
   return table(result, colour);
 }

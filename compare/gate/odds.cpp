@@ -31,7 +31,8 @@ std::vector<NamedModel> watched() {
 }
 
 /// predict() with every step open to a fault.
-Wrench predict_with(const CaseRecord& record, const dragcore::Surface& surface, const dragcore::Model& model, const dragcore::Medium& medium) {
+Wrench predict_with(const CaseRecord& record, const dragcore::Surface& surface, const dragcore::Model& model,
+                    const dragcore::Medium& medium) {
   const Eigen::Matrix3d to_wind = record.pose.rotation();
   const Wrench body = dragcore::wrench(surface, motion_of(record), medium, model).total();
   return {to_wind * body.force, to_wind * body.torque};
@@ -180,55 +181,56 @@ std::vector<Defect> make_defects() {
          const auto* body = std::get_if<dragcore::MeshBody>(&r.shape);
          return body ? dragcore::Surface(dragcore::prepare(*body->mesh)) : surface_for(r);
        })},
-      {prediction, "round bodies of few facets", in_surface([](const CaseRecord& r) {
-         return surface_of(r.shape, std::min(8, default_divisions(r.shape)));
-       })},
+      {prediction, "round bodies of few facets",
+       in_surface([](const CaseRecord& r) { return surface_of(r.shape, std::min(8, default_divisions(r.shape))); })},
       {prediction, "a body a thousandth too large", in_surface([](const CaseRecord& r) {
          return std::holds_alternative<dragcore::MeshBody>(r.shape) ? dragcore::Surface(surface_for(r)) : scaled(r, 1.001);
        })},
-      {prediction, "stale baked map", [](Trial& trial) {
+      {prediction, "stale baked map",
+       [](Trial& trial) {
          trial.predictor_of = [](const NamedModel& named) -> Predictor {
            return [choice = named.choice](const CaseRecord& r) { return from_stale_map(r, choice); };
          };
        }},
-      {references, "viscous part left out", in_references([](CaseRecord& r) {
-         r.load.force_viscous.setZero(), r.load.moment_viscous.setZero();
-       })},
+      {references, "viscous part left out",
+       in_references([](CaseRecord& r) { r.load.force_viscous.setZero(), r.load.moment_viscous.setZero(); })},
       {references, "pressure counted twice", in_references([](CaseRecord& r) {
          r.load.force_viscous += r.load.force_pressure, r.load.moment_viscous += r.load.moment_pressure;
        })},
       {references, "half models counted once", in_references([](CaseRecord& r) {
          if (!r.half_model) return;
-         for (Vector3d* part : {&r.load.force_pressure, &r.load.force_viscous, &r.load.moment_pressure, &r.load.moment_viscous}) *part *= 0.5;
+         for (Vector3d* part : {&r.load.force_pressure, &r.load.force_viscous, &r.load.moment_pressure, &r.load.moment_viscous})
+           *part *= 0.5;
        })},
-      {references, "a tenth of the drag as side force", in_references([](CaseRecord& r) {
-         r.load.force_pressure.y() += 0.1 * r.load.force().x();
-       })},
-      {references, "pitch of the wrong sign", in_references([](CaseRecord& r) {
-         r.load.moment_pressure.y() *= -1.0, r.load.moment_viscous.y() *= -1.0;
-       })},
+      {references, "a tenth of the drag as side force",
+       in_references([](CaseRecord& r) { r.load.force_pressure.y() += 0.1 * r.load.force().x(); })},
+      {references, "pitch of the wrong sign",
+       in_references([](CaseRecord& r) { r.load.moment_pressure.y() *= -1.0, r.load.moment_viscous.y() *= -1.0; })},
       {references, "moment about the nose", in_references([length](CaseRecord& r) {
          r.load.moment_pressure -= (r.pose.rotation() * Vector3d(-0.5 * length(r), 0.0, 0.0)).cross(r.load.force());
        })},
-      {references, "loads of two cases swapped", [](Trial& trial) {
+      {references, "loads of two cases swapped",
+       [](Trial& trial) {
          std::vector<CaseRecord*> usable;
          for (CaseRecord& r : trial.records)
            if (case_record::is_usable(r.status) && !r.is_experiment() && !r.spins()) usable.push_back(&r);
          if (usable.size() > 1) std::swap(usable.front()->load, usable.back()->load);
        }},
-      {references, "a planned case left out", [](Trial& trial) {
+      {references, "a planned case left out",
+       [](Trial& trial) {
          const std::string gone = trial.baseline.planned.front();
          std::erase_if(trial.records, [&](const CaseRecord& r) { return r.name == gone; });
        }},
-      {references, "a diverged case", [](Trial& trial) {
+      {references, "a diverged case",
+       [](Trial& trial) {
          for (CaseRecord& r : trial.records)
            if (r.name == trial.baseline.planned.front()) r.status = case_record::Status::diverged;
        }},
-      {references, "uncertainty ten times too large", in_references([](CaseRecord& r) {
-         r.u_iteration *= 10.0, r.u_statistical *= 10.0, r.u_null *= 10.0;
-       })},
+      {references, "uncertainty ten times too large",
+       in_references([](CaseRecord& r) { r.u_iteration *= 10.0, r.u_statistical *= 10.0, r.u_null *= 10.0; })},
       {baseline, "a budget that passes anything", [](Trial& trial) { trial.baseline.case_budget = 1e9; }},
-      {baseline, "an rms error edited", [](Trial& trial) {
+      {baseline, "an rms error edited",
+       [](Trial& trial) {
          for (auto& [name, model] : trial.baseline.models)
            for (auto& [group, channels] : model.groups)
              for (auto& [channel, entry] : channels) entry.rms *= 2.0;
@@ -302,7 +304,8 @@ int Odds::missed() const {
 Odds gate_odds(const Baseline& baseline, const std::vector<CaseRecord>& records, const std::vector<CaseRecord>& solved) {
   const std::vector<NamedModel> models = watched();
   if (baseline.planned.empty())
-    throw std::invalid_argument("a baseline without planned cases: there is nothing to seed a defect in; dragval baseline accept makes one");
+    throw std::invalid_argument(
+        "a baseline without planned cases: there is nothing to seed a defect in; dragval baseline accept makes one");
   const std::vector<Sound> sound = sound_cases(baseline, records, models.front());
   Odds odds;
   odds.unchanged_passes = run_gate(baseline, records, models).passed();
@@ -324,8 +327,11 @@ Odds gate_odds(const Baseline& baseline, const std::vector<CaseRecord>& records,
 std::string render(const Odds& odds, Format format) {
   if (format == Format::csv) throw std::invalid_argument("--format csv: odds are table, md or json");
   if (format == Format::json) {
-    nlohmann::json document = {{"unchanged_passes", odds.unchanged_passes}, {"repeats", odds.repeats}, {"false_alarms", odds.false_alarms},
-                               {"missed", odds.missed()},                   {"defects", nlohmann::json::array()}};
+    nlohmann::json document = {{"unchanged_passes", odds.unchanged_passes},
+                               {"repeats", odds.repeats},
+                               {"false_alarms", odds.false_alarms},
+                               {"missed", odds.missed()},
+                               {"defects", nlohmann::json::array()}};
     for (const DefectVerdict& d : odds.defects)
       document["defects"].push_back(
           {{"where", d.where}, {"name", d.name}, {"caught", d.caught}, {"coefficients", d.coefficients}, {"checks", d.checks}});

@@ -63,6 +63,10 @@ struct Sums {
 
 }  // namespace
 
+std::string patch_of(const dragcore::Shape& shape, const Vector3d& centre, const Vector3d& normal) {
+  return patch_name(shape, dragcore::properties(shape), centre, normal);
+}
+
 std::vector<PatchMean> patch_means(const CaseRecord& record) {
   const auto& sample = record.surface;
   const Eigen::Index faces = sample.centre.cols();

@@ -264,7 +264,8 @@ TEST_CASE("every seeded defect that changes a coefficient turns the gate red, an
   CHECK(effective >= 30);
 }
 
-TEST_CASE("solved again on meshes of other seeds: five times their scatter is allowed, a budget below it is refused", "[compare][gate][analytic]") {
+TEST_CASE("solved again on meshes of other seeds: five times their scatter is allowed, a budget below it is refused",
+          "[compare][gate][analytic]") {
   auto records = sample::quick_tier();
   CaseRecord& cube = records[4];
   cube.u_iteration.setZero(), cube.u_statistical.setZero();
@@ -283,8 +284,8 @@ TEST_CASE("solved again on meshes of other seeds: five times their scatter is al
   const double scatter = 0.02 * std::sqrt(1.2);
   REQUIRE(baseline.seed_scatter.at(cube.name)[0] == Approx(scatter));
   solved.resize(4);
-  CHECK(compare::scatter_over_seeds(solved).empty());                   // too few to say
-  CHECK(compare::scatter_over_seeds({with_seed(1, 0.1)}).empty());      // a judged one
+  CHECK(compare::scatter_over_seeds(solved).empty());               // too few to say
+  CHECK(compare::scatter_over_seeds({with_seed(1, 0.1)}).empty());  // a judged one
   CHECK(compare::check_solved_again(baseline, records, {with_seed(1, 4.9 * scatter)}).passed);
   CHECK_FALSE(compare::check_solved_again(baseline, records, {with_seed(1, 5.1 * scatter)}).passed);
   CHECK_FALSE(compare::check_solved_again({}, records, {with_seed(1, 4.9 * scatter)}).passed);  // a baseline that knows no scatter
@@ -315,15 +316,16 @@ TEST_CASE("a review counts what gets better and worse, in u, and names the large
   CHECK(review.cases_added == 0);
   CHECK(review.cases_removed == 1);
   CHECK(review.references_changed >= 1);
-  const auto group = std::find_if(review.groups.begin(), review.groups.end(),
-                                  [](const auto& g) { return g.model == "note" && g.channel == "C_D"; });
+  const auto group =
+      std::find_if(review.groups.begin(), review.groups.end(), [](const auto& g) { return g.model == "note" && g.channel == "C_D"; });
   REQUIRE(group != review.groups.end());
   CHECK(group->better == 1);
   CHECK(group->better_by_2u == 1);
   CHECK(group->worse == 0);
   CHECK(group->rms_after < group->rms_before);
-  const auto change = std::find_if(review.largest.begin(), review.largest.end(),
-                                   [&](const auto& c) { return c.model == "note" && c.case_name == records[0].name && c.channel == "C_D"; });
+  const auto change = std::find_if(review.largest.begin(), review.largest.end(), [&](const auto& c) {
+    return c.model == "note" && c.case_name == records[0].name && c.channel == "C_D";
+  });
   REQUIRE(change != review.largest.end());
   CHECK(change->error_after == Approx(0.0).margin(1e-12));
   CHECK(change->growth_in_u() < -2.0);
@@ -332,7 +334,8 @@ TEST_CASE("a review counts what gets better and worse, in u, and names the large
   CHECK_THROWS_WITH(compare::render(review, compare::Format::csv), Contains("json"));
 }
 
-TEST_CASE("a gate's result for pull requests, CI servers and GitHub: every check, special characters escaped", "[compare][gate][analytic]") {
+TEST_CASE("a gate's result for pull requests, CI servers and GitHub: every check, special characters escaped",
+          "[compare][gate][analytic]") {
   compare::GateResult result;
   result.planned = result.compared = 1;
   result.checks = {{"note: signs", true, 3, "nearest <a> & \"b\""}, {"note: 5 % off, of it", false, 2, "x | y\n100 %"}};
