@@ -376,6 +376,10 @@ Matrix parse_matrix(std::string_view text, const fs::path& file) {
     table.word("variant", sweep.common.variant);
     read_common(table, file, sweep);
     read_special(table, file, sweep);
+    if (entry.contains("time") && !sweep.common.time_accurate())
+      table.fail(fmt::format(
+          "time belongs to what is solved in time, and flow_model = \"{}\" is steady: use laminar_unsteady, k_omega_sst_ddes or spin_ratio",
+          sweep.common.flow_model));
     table.reject_unknown("[[sweep]]");
     for (const auto& level : sweep.levels)
       for (const double reynolds : sweep.reynolds) {
