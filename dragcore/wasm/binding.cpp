@@ -57,6 +57,7 @@ std::string lines(const std::vector<std::string>& list) {
 Body* prepared(dragcore::TriangleMesh mesh, std::vector<std::string> notes, double unit_m) {
   if (!(unit_m > 0.0)) throw std::invalid_argument("unit = " + std::to_string(unit_m) + ", but it must be greater than 0");
   for (Vector3d& vertex : mesh.vertices) vertex *= unit_m;
+  dragcore::validate(mesh);  // welded() believes its indices
   auto body = std::make_unique<Body>(Body{dragcore::Surface(dragcore::welded(mesh)), std::move(notes)});
   if (body->surface.size() == 0) throw std::invalid_argument("no triangle has an area, so nothing feels the air");
   for (const dragcore::Finding& finding : body->surface.report) body->notes.push_back(to_string(finding.kind) + ": " + finding.text);
