@@ -29,18 +29,6 @@ std::string curved_bin(const Vector3d& centre, const dragcore::ShapeProperties& 
   return fmt::format("curved_b{}_s{}", band, sector);
 }
 
-/// The patch that a face of the meshed surface belongs to: by its normal on flat sides, by its place on curved ones.
-std::string patch_name(const dragcore::Shape& shape, const dragcore::ShapeProperties& body, const Vector3d& centre,
-                       const Vector3d& normal) {
-  constexpr double along_axis = 0.9;  // ends are square to the axis; the side of a cylinder has 0, of a cone a negative x component
-  if (std::holds_alternative<dragcore::Plate>(shape) || std::holds_alternative<dragcore::Box>(shape)) return axis_face(normal);
-  if (std::holds_alternative<dragcore::Cylinder>(shape) && std::abs(normal.x()) > along_axis) return axis_face(normal);
-  if (std::holds_alternative<dragcore::Prism>(shape))
-    return std::max(std::abs(normal.y()), normal.x()) > along_axis ? axis_face(normal) : normal.z() < 0 ? "z-" : "z+";
-  if (std::holds_alternative<dragcore::Cone>(shape) && normal.x() > along_axis) return "base";
-  return curved_bin(centre, body);
-}
-
 /// The axis (1: y, 2: z) square to the symmetry plane of a half model: the centroid of the body is the origin, so a half lies on one side
 /// of it.
 int mirror_axis(const CaseRecord& record) {
@@ -59,6 +47,17 @@ struct Sums {
 };
 
 }  // namespace
+
+std::string patch_name(const dragcore::Shape& shape, const dragcore::ShapeProperties& body, const Vector3d& centre,
+                       const Vector3d& normal) {
+  constexpr double along_axis = 0.9;  // ends are square to the axis; the side of a cylinder has 0, of a cone a negative x component
+  if (std::holds_alternative<dragcore::Plate>(shape) || std::holds_alternative<dragcore::Box>(shape)) return axis_face(normal);
+  if (std::holds_alternative<dragcore::Cylinder>(shape) && std::abs(normal.x()) > along_axis) return axis_face(normal);
+  if (std::holds_alternative<dragcore::Prism>(shape))
+    return std::max(std::abs(normal.y()), normal.x()) > along_axis ? axis_face(normal) : normal.z() < 0 ? "z-" : "z+";
+  if (std::holds_alternative<dragcore::Cone>(shape) && normal.x() > along_axis) return "base";
+  return curved_bin(centre, body);
+}
 
 std::vector<PatchMean> patch_means(const CaseRecord& record) {
   const auto& sample = record.surface;
