@@ -37,6 +37,8 @@ function colourOf(value, range) {
 }
 const css = (colour) => `rgb(${colour.map((x) => Math.round(255 * x)).join(' ')})`;
 const digits = (x) => (Math.abs(x) >= 100 || x === 0 ? x.toFixed(0) : x.toPrecision(3)).replace('-', '−');
+/// What is below 1e-9 of a force, or of it times an arm, is the rounding of a zero.
+const withoutRounding = (force, arm) => (x) => digits(Math.abs(x) < 1e-9 * length(force) * arm ? 0 : x);
 const fixed = (x) => ((text) => (/[1-9]/.test(text) ? text.replace('-', '−') : text.replace('-', '')))(x.toFixed(3));
 
 function showScale(name, range) {
@@ -158,7 +160,8 @@ function forceArrow({force, torque}, longest, radius, colour, width) {
   return {from: scaled(point, inView), along: scaled(force, 1.5 / (longest || 1)), colour, width, line: true};
 }
 const windArrow = {from: [-2.1, 0, 0], along: [0.8, 0, 0], colour: 0x888888, width: 0.03};
-const colours = () => ({reference: matchMedia('(prefers-color-scheme: dark)').matches ? 0xeeeeee : 0x222222, law: 0x0072b2});
+const dark = matchMedia('(prefers-color-scheme: dark)');
+const colours = () => ({reference: dark.matches ? 0xeeeeee : 0x222222, law: 0x0072b2});
 
 function fillTable(id, head, rows) {
   const table = document.getElementById(id);
@@ -195,16 +198,16 @@ function startPatches() {
   const show = () => {
     const one = flows[flow.value][1][pose.value], model = one.models[law.value], shape = shapes[one.shape];
     const corners = shape.triangles.flatMap((corner) => shape.vertices.slice(3 * corner, 3 * corner + 3));
-    const radius = Math.max(...corners.map(Math.abs)) * 1.2;
+    const radius = Math.max(...shape.triangles.map((corner) => length(shape.vertices.slice(3 * corner, 3 * corner + 3))));
     const all = [...one.pressures, ...model.pressures].filter((value) => value !== null);
     const range = Math.max(...all.map(Math.abs));
     const loads = [one, model].map(({coefficients: c}) => ({force: c.slice(0, 3), torque: scaled(c.slice(3), one.length)}));
     const longest = Math.max(...loads.map(({force}) => length(force)));
-    const {reference: dark, law: blue} = colours();
+    const {reference: ink, law: blue} = colours();
     pictures.forEach((picture, side) => picture?.show(corners,
         shape.patch.map((patch) => ((value) => value == null ? [0.6, 0.6, 0.6] : colourOf(value, range))([one, model][side].pressures[patch])),
         one.rotation, radius, [
-          windArrow, forceArrow(loads[0], longest, radius, dark, side === 0 ? 0.05 : 0.025), forceArrow(loads[1], longest, radius, blue, side === 1 ? 0.05 : 0.025)]));
+          windArrow, forceArrow(loads[0], longest, radius, ink, side === 0 ? 0.05 : 0.025), forceArrow(loads[1], longest, radius, blue, side === 1 ? 0.05 : 0.025)]));
     showScale('patches', range);
     say('law', model.label);
     say('patches', `${shape.name}, ${one.pose}: coefficients. Of pressures the law knows no more than differences: ${digits(model.gauge)} was taken off its Cp everywhere, so that the mean over the surface is OpenFOAM's; on a closed body that changes no force.`);
@@ -220,6 +223,7 @@ function startPatches() {
   flow.addEventListener('change', choosePoses);
   pose.addEventListener('change', show);
   law.addEventListener('change', show);
+  dark.addEventListener('change', show);
   const shown = pictures.filter((picture) => picture);
   for (const picture of shown)
     onTurn(picture.canvas,
@@ -266,7 +270,8 @@ async function startTrial() {
   function chooseShape() {
     if (fields.shape.value === 'file') return openFile();
     const [kind, ...parameters] = fields.shape.value.split(' ');
-    replaceBody(dragcore.shape(kind, Object.fromEntries(parameters.map((text) => text.split('=')).map(([name, value]) => [name, Number(value)])), 16));
+    replaceBody(dragcore.shape(kind, Object.fromEntries(parameters.map((text) => text.split('=')).map(([name, value]) => [name, Number(value)])),
+        ['cube', 'box', 'plate', 'prism'].includes(kind) ? 2 : 16));
     show();
   }
 
@@ -312,8 +317,8 @@ async function startTrial() {
     const force = toWind(wrench.force), torque = toWind(wrench.torque);
     const coefficient = (x) => area * q > 0 ? fixed(x / (area * q)) : '–';
     fillTable('trial-forces', ['wind frame', 'x', 'y', 'z'], [
-      ['force [N]', ...force.map(digits)],
-      ['torque about the middle [N m]', ...torque.map(digits)],
+      ['force [N]', ...force.map(withoutRounding(force, 1))],
+      ['torque about the middle [N m]', ...torque.map(withoutRounding(force, body.radius))],
       ['CD, CS, CL', ...force.map(coefficient)],
       ...dragcore.terms.map((term) => [`of these: ${term}`, ...toWind(wrench.terms[term].force).map(coefficient)]),
     ]);
