@@ -1,10 +1,13 @@
 #include "compare/report/report_bodies.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "compare/report/report_sweep.hpp"
