@@ -1,15 +1,14 @@
 // The sections "In three dimensions" and "Try it". Frames: docs/conventions.md; wind along +x, z up. `data-bodies` tells a test when all
 // is drawn.
-const {shapes, cases, errors} = JSON.parse(document.getElementById('bodies').textContent);
+const {shapes, cases, errors} = JSON.parse(await unpacked('bodies'));
 const find = (selector) => document.querySelector(selector);
 const say = (name, text) => { find(`[data-text="${name}"]`).textContent = text; };
 
-// --- Libraries, which lie in this page as text ------------------------------------------------------------------------------------------
+// --- Libraries, which this page holds as text --------------------------------------------------------------------------------------------
 
 const address = (text) => URL.createObjectURL(new Blob([text], {type: 'text/javascript'}));
-const textOf = (id) => document.getElementById(id)?.textContent;
-const core = address(textOf('three.core.min.js'));
-const THREE = await import(address(textOf('three.module.min.js').replaceAll('./three.core.min.js', core)));
+const core = address(await unpacked('three.core.min.js'));
+const THREE = await import(address((await unpacked('three.module.min.js')).replaceAll('./three.core.min.js', core)));
 
 // --- Vectors ----------------------------------------------------------------------------------------------------------------------------
 
@@ -241,13 +240,12 @@ function startPatches() {
 
 async function startTrial() {
   const form = find('[data-controls="trial"]');
-  const code = textOf('dragcore.mjs');
-  if (!code) {
+  if (!document.getElementById('dragcore.mjs')) {
     for (const part of document.querySelectorAll('#try-it form, #try-it .views')) part.hidden = true;
     say('library', 'Here the library itself would run, compiled to WebAssembly. This page was written without it, for want of Emscripten: apt-get install emscripten, then cmake --build build/release --target dragcore_wasm, then dragval report.');
     return;
   }
-  const dragcore = await (await import(address(code))).load();
+  const dragcore = await (await import(address(await unpacked('dragcore.mjs')))).load();
   const picture = Picture.on(find('[data-view="trial"]'));
   const fields = form.elements;
   const list = find('[data-list="effects"]');

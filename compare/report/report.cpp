@@ -5,7 +5,9 @@
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <string>
 
+#include "compare/report/packed.hpp"
 #include "compare/report/report_bodies.hpp"
 #include "compare/report/report_sections.hpp"
 
@@ -24,8 +26,8 @@ void replace(std::string& page, const std::string& mark, const std::string& text
   page.replace(place, mark.size(), text);
 }
 
-/// JSON for a script element: numbers to six digits, which no figure shows more of, and no tag that ends the script early.
-std::string script_text(nlohmann::json value) {
+/// With numbers to six digits, more than any figure shows.
+std::string short_text(nlohmann::json value) {
   const auto round = [](auto& self, nlohmann::json& node) -> void {
     if (node.is_number_float())
       node = std::stod(fmt::format("{:.6g}", node.get<double>()));
@@ -33,14 +35,7 @@ std::string script_text(nlohmann::json value) {
       for (nlohmann::json& child : node) self(self, child);
   };
   round(round, value);
-  std::string text = value.dump();
-  for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos;) text.replace(at, 1, "\\u003c");
-  return text;
-}
-
-/// A module of JavaScript as text, from which bodies.js makes an address to import.
-std::string module_text(const std::string& id, const std::string& code) {
-  return "<script type=\"text/plain\" id=\"" + id + "\">" + code + "</script>\n";
+  return value.dump();
 }
 
 }  // namespace
@@ -87,17 +82,17 @@ void write_report(const Report& report, const std::filesystem::path& output, con
   nlohmann::json shown = specs;
   shown.erase("drag_against_orientation");  // repeats panels of the sweeps
   for (const char* file : {"three.core.min.js", "three.module.min.js"})
-    libraries += module_text(file, content_of(assets / "node_modules/three/build" / file, install));
+    libraries += packed(file, content_of(assets / "node_modules/three/build" / file, install));
   // Without Emscripten there is no library for pages: bodies.js then says how to get it.
-  if (std::ifstream code{wasm, std::ios::binary}) libraries += module_text("dragcore.mjs", {std::istreambuf_iterator<char>(code), {}});
+  if (std::ifstream code{wasm, std::ios::binary}) libraries += packed("dragcore.mjs", {std::istreambuf_iterator<char>(code), {}});
 
   replace(page, "<!-- style -->", "<style>\n" + content_of(assets / "style.css", restore) + "</style>");
   replace(page, "<!-- sections -->", report_sections(report, list, specs, content_of(assets / "bodies.html", restore)));
-  replace(page, "<!-- figures -->", "<script type=\"application/json\" id=\"specifications\">" + script_text(shown) +
-                                       "</script>\n<script type=\"application/json\" id=\"bodies\">" + script_text(report_bodies(report)) + "</script>");
+  replace(page, "<!-- figures -->", packed("specifications", short_text(shown)) + packed("bodies", short_text(report_bodies(report))));
   replace(page, "<!-- libraries -->", libraries);
-  replace(page, "<!-- show -->", "<script>\n" + content_of(assets / "show.js", restore) + "</script>\n<script type=\"module\">\n" +
-                                    content_of(assets / "bodies.js", restore) + "</script>");
+  replace(page, "<!-- show -->",
+          "<script>\n" + content_of(assets / "show.js", restore) + "</script>\n<script type=\"module\">\n" +
+              content_of(assets / "bodies.js", restore) + "</script>");
 
   if (output.has_parent_path()) std::filesystem::create_directories(output.parent_path());
   std::ofstream file(output, std::ios::binary);
