@@ -71,7 +71,7 @@ class Picture {
     this.scene.add(new THREE.AmbientLight(0xffffff, 2.2), sun);
     this.camera = new THREE.PerspectiveCamera(30, 1, 0.01, 100);
     this.camera.up.set(0, 0, 1);
-    this.look = {azimuth: -65, elevation: 20, distance: 5};
+    this.look = {azimuth: -118, elevation: 20, distance: 5.4};  // from the windward side, which pictures of the law are about
     this.things = new THREE.Group();
     this.scene.add(this.things);
     new ResizeObserver(() => this.draw()).observe(canvas);
@@ -151,12 +151,12 @@ function onTurn(canvas, turn, zoom) {
   });
 }
 
-/// The arrow of a force on its line of action: {force, torque about the origin, wind frame}; longest: a force that is drawn 1.5 radii long.
+/// The arrow of a force on its line of action: {force, torque about the origin, wind frame}; longest: a force that is drawn 1.15 radii long.
 function forceArrow({force, torque}, longest, radius, colour, width) {
   const size = length(force);
   const point = size > 0 ? scaled(cross(force, torque), 1 / (size * size * radius)) : [0, 0, 0];
   const inView = Math.min(1, 2 / (length(point) || 1));  // a line of action far off is drawn at the edge
-  return {from: scaled(point, inView), along: scaled(force, 1.5 / (longest || 1)), colour, width, line: true};
+  return {from: scaled(point, inView), along: scaled(force, 1.15 / (longest || 1)), colour, width, line: true};
 }
 const windArrow = {from: [-2.1, 0, 0], along: [0.8, 0, 0], colour: 0x888888, width: 0.03};
 const dark = matchMedia('(prefers-color-scheme: dark)');
@@ -185,7 +185,10 @@ function fillSelect(select, texts) {
 
 function startPatches() {
   const {flow, pose, law} = find('[data-controls="patches"]').elements;
-  const flows = Map.groupBy ? [...Map.groupBy(cases, (one) => one.flow)] : [...cases.reduce((all, one) => all.set(one.flow, [...all.get(one.flow) ?? [], one]), new Map())];
+  const byFlow = new Map(cases.map((one) => [one.flow, []]));
+  for (const one of cases) byFlow.get(one.flow).push(one);
+  const flows = [...byFlow];
+  for (const [, poses] of flows) poses.sort((a, b) => a.pose.localeCompare(b.pose, 'en', {numeric: true}));
   if (flows.length === 0) {
     say('patches', 'None of these references keeps the pressure on its surface.');
     return;
@@ -209,14 +212,14 @@ function startPatches() {
           windArrow, forceArrow(loads[0], longest, radius, ink, side === 0 ? 0.05 : 0.025), forceArrow(loads[1], longest, radius, blue, side === 1 ? 0.05 : 0.025)]));
     showScale('patches', range);
     say('law', model.label);
-    say('patches', `${shape.name}, ${one.pose}: coefficients. Of pressures the law knows no more than differences: ${digits(model.gauge)} was taken off its Cp everywhere, so that the mean over the surface is OpenFOAM's; on a closed body that changes no force.`);
+    say('patches', `${shape.name}, ${one.pose}. Of pressures the law knows no more than differences: ${digits(model.gauge)} was taken off its Cp everywhere, so that the mean over the surface is OpenFOAM's; on a closed body that changes no force.`);
     const names = ['CD', 'CS', 'CL', 'Cl', 'Cm', 'Cn'];
     fillTable('patch-forces', ['', 'OpenFOAM', model.label, 'error'], names.map((name, k) => [
       name, fixed(one.coefficients[k]) + (k === 0 ? ' ± ' + fixed(one.u) : ''), fixed(model.coefficients[k]), fixed(model.coefficients[k] - one.coefficients[k])]));
   };
   const choosePoses = () => {
     fillSelect(pose, flows[flow.value][1].map((one) => one.pose));
-    pose.value = Math.min(2, pose.options.length - 1);
+    pose.value = Math.max(0, flows[flow.value][1].findIndex((one) => /^\w+ 30°$/.test(one.pose)));  // neither along an axis nor anybody's corner
     show();
   };
   flow.addEventListener('change', choosePoses);
@@ -339,7 +342,7 @@ async function startTrial() {
     const drawn = Float32Array.from(corners, (x, i) => x - body.centre[i % 3]);
     const arrows = [forceArrow({force, torque}, length(force), body.radius, colours().law, 0.05)];
     if (speed > 0) arrows.push(windArrow);
-    if (length(spin) > 0) arrows.push({from: [0, 0, 0], along: scaled(spin, 1.6 / length(spin)), colour: 0xcc79a7, width: 0.03});
+    if (length(spin) > 0) arrows.push({from: [0, 0, 0], along: scaled(spin, 1.25 / length(spin)), colour: 0xcc79a7, width: 0.03});
     picture.show(drawn, pressures.map((value) => colourOf(value, range)), rotation, body.radius, arrows);
     showScale('trial', range);
   }

@@ -229,10 +229,10 @@ describe('references made by a law with scale 0.9 and base suction 0.3', () => {
     assert.ok(Math.hypot(...after.force) > 3 * Math.hypot(...before.force));
     assert.match(await page.locator('[data-list=doubts]').innerText(), /17 and 48/);
     assert.match(await page.locator('[data-text=expected]').innerText(), /Error of drag to expect: \d+ % rms on \d+ cases/);
-    await form.locator('[name=effect][value="base suction"]').uncheck();
+    await form.locator('[name=effect][value="friction"]').uncheck();
     assert.match(await page.locator('[data-text=expected]').innerText(), /effects are off/);
     assert.ok(Math.hypot(...(await resultsOf(page)).force) < Math.hypot(...after.force));
-    await form.locator('[name=effect][value="base suction"]').check();
+    await form.locator('[name=effect][value="friction"]').check();
   });
 
   test('a file that is no mesh is refused in words, and the body before stays', trial, async () => {
