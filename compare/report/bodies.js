@@ -102,10 +102,11 @@ class Picture {
     this.draw();
   }
 
+  /// @param line  drawn along the whole of it too, and all of it before the body, which would hide most of a force
   addArrow({from, along, colour, width, line}) {
     const size = length(along);
     if (!(size > 1e-6)) return;
-    const material = new THREE.MeshBasicMaterial({color: colour});
+    const material = new THREE.MeshBasicMaterial({color: colour, depthTest: !line, transparent: Boolean(line), opacity: 0.85});
     const head = Math.min(4 * width, size / 2);
     const up = new THREE.Vector3(0, 1, 0), direction = new THREE.Vector3(...along).normalize();
     const piece = (shape, at) => {
@@ -212,7 +213,7 @@ function startPatches() {
           windArrow, forceArrow(loads[0], longest, radius, ink, side === 0 ? 0.05 : 0.025), forceArrow(loads[1], longest, radius, blue, side === 1 ? 0.05 : 0.025)]));
     showScale('patches', range);
     say('law', model.label);
-    say('patches', `${shape.name}, ${one.pose}. Of pressures the law knows no more than differences: ${digits(model.gauge)} was taken off its Cp everywhere, so that the mean over the surface is OpenFOAM's; on a closed body that changes no force.`);
+    say('patches', `${shape.name}, ${one.pose}: case ${one.case}. Of pressures the law knows no more than differences: ${digits(model.gauge)} was taken off its Cp everywhere, so that the mean over the surface is OpenFOAM's; on a closed body that changes no force.`);
     const names = ['CD', 'CS', 'CL', 'Cl', 'Cm', 'Cn'];
     fillTable('patch-forces', ['', 'OpenFOAM', model.label, 'error'], names.map((name, k) => [
       name, fixed(one.coefficients[k]) + (k === 0 ? ' ± ' + fixed(one.u) : ''), fixed(model.coefficients[k]), fixed(model.coefficients[k] - one.coefficients[k])]));

@@ -156,7 +156,7 @@ describe('references made by a law with scale 0.9 and base suction 0.3', () => {
     for (const view of ['reference', 'law']) {
       const before = await inked(page, view);
       assert.ok(before.all > 0.05 * before.pixels, `${view}: ${before.all} of ${before.pixels} pixels drawn`);
-      assert.ok(before.orange > 500 && before.blue > 500, `${view}: pressure and suction, ${JSON.stringify(before)}`);
+      assert.ok(before.orange > 500 && before.blue > 500, `${view}: pressure, and the arrow of the law; ${JSON.stringify(before)}`);
       await page.locator(`[data-view="${view}"]`).focus();
       await page.keyboard.press('ArrowLeft');
       assert.notEqual((await inked(page, view)).sum, before.sum, view);
