@@ -26,13 +26,12 @@ std::vector<double> numbers(const Eigen::MatrixXd& matrix) { return {matrix.data
 /// Mean over each patch of the pressure that a model has in its normal forces; patches that the model's surface misses have none.
 std::map<std::string, double> patch_pressures(const CaseRecord& record, const ModelChoice& choice) {
   const dragcore::Surface& surface = prepared_surface(record.shape, std::min(shown_divisions, default_divisions(record.shape)));
-  const dragcore::ShapeProperties body = dragcore::properties(record.shape);
   const auto forces = dragcore::triangle_forces(surface, motion_of(record), medium_of(record), choice.on(surface));
   const double q = 0.5 * record.density * record.speed * record.speed;
   std::map<std::string, std::pair<double, double>> sums;  // of the normal force, of the area
   for (Eigen::Index i = 0; i < surface.size(); ++i) {
     const Vector3d normal = surface.normal.row(i), centre = surface.centroid.row(i);
-    auto& [push, area] = sums[patch_name(record.shape, body, centre, normal)];
+    auto& [push, area] = sums[patch_of(record.shape, centre, normal)];
     push -= normal.dot(forces.force.col(i));
     area += surface.area[i];
   }
@@ -44,7 +43,6 @@ std::map<std::string, double> patch_pressures(const CaseRecord& record, const Mo
 /// The shape as the page draws it.
 json drawn_shape(const CaseRecord& record, const std::vector<PatchMean>& patches) {
   const dragcore::TriangleMesh mesh = dragcore::triangulate(record.shape, std::min(shown_divisions, default_divisions(record.shape)));
-  const dragcore::ShapeProperties body = dragcore::properties(record.shape);
   json drawn = {{"name", shape_label(record.shape)},
                 {"vertices", json::array()},
                 {"triangles", json::array()},
@@ -56,7 +54,7 @@ json drawn_shape(const CaseRecord& record, const std::vector<PatchMean>& patches
   for (const Eigen::Vector3i& t : mesh.triangles) {
     for (const int corner : t) drawn["triangles"].push_back(corner);
     const Vector3d &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-    const std::string name = patch_name(record.shape, body, (a + b + c) / 3.0, (b - a).cross(c - a).normalized());
+    const std::string name = patch_of(record.shape, (a + b + c) / 3.0, (b - a).cross(c - a).normalized());
     const auto found = std::find_if(patches.begin(), patches.end(), [&](const PatchMean& patch) { return patch.name == name; });
     drawn["patch"].push_back(found == patches.end() ? -1 : static_cast<int>(found - patches.begin()));
   }
