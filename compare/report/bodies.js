@@ -4,13 +4,13 @@ const {shapes, cases, errors} = JSON.parse(await unpacked('bodies'));
 const find = (selector) => document.querySelector(selector);
 const say = (name, text) => { find(`[data-text="${name}"]`).textContent = text; };
 
-// --- Libraries, which this page holds as text --------------------------------------------------------------------------------------------
+// --- Libraries, which this page holds as text ------------------------------------------------------------------------------------------
 
 const address = (text) => URL.createObjectURL(new Blob([text], {type: 'text/javascript'}));
 const core = address(await unpacked('three.core.min.js'));
 const THREE = await import(address((await unpacked('three.module.min.js')).replaceAll('./three.core.min.js', core)));
 
-// --- Vectors ----------------------------------------------------------------------------------------------------------------------------
+// --- Vectors ---------------------------------------------------------------------------------------------------------------------------
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -24,11 +24,16 @@ const turnedBack = (r, v) => [0, 1, 2].map((i) => r[i] * v[0] + r[i + 3] * v[1] 
 function rotationOf(incidence, yaw, roll) {
   const [a, b, g] = [incidence, yaw, roll].map((angle) => angle * Math.PI / 180);
   const [ca, cb, cg, sa, sb, sg] = [Math.cos(a), Math.cos(b), Math.cos(g), Math.sin(a), Math.sin(b), Math.sin(g)];
-  return [cb * ca, cb * sa * sg - sb * cg, cb * sa * cg + sb * sg, sb * ca, sb * sa * sg + cb * cg, sb * sa * cg - cb * sg, -sa, ca * sg, ca * cg];
+  return [
+    cb * ca, cb * sa * sg - sb * cg, cb * sa * cg + sb * sg,
+    sb * ca, sb * sa * sg + cb * cg, sb * sa * cg - cb * sg,
+    -sa, ca * sg, ca * cg,
+  ];
 }
 
-// --- Colours: blue for suction, orange for pressure, told apart by every kind of eye -------------------------------------------------------
+// --- Colours: blue for suction, orange for pressure, told apart by every kind of eye ---------------------------------------------------
 
+const unknown = [0.6, 0.6, 0.6];
 const ends = {suction: [0.13, 0.40, 0.67], none: [0.96, 0.96, 0.96], pressure: [0.85, 0.37, 0.01]};
 function colourOf(value, range) {
   const share = Math.min(1, Math.abs(value) / range), end = value < 0 ? ends.suction : ends.pressure;
@@ -48,7 +53,7 @@ function showScale(name, range) {
   scale.children[1].style.background = `linear-gradient(to right, ${css(ends.suction)}, ${css(ends.none)}, ${css(ends.pressure)})`;
 }
 
-// --- A picture of a body ------------------------------------------------------------------------------------------------------------------
+// --- A picture of a body ---------------------------------------------------------------------------------------------------------------
 
 class Picture {
   /// null where the browser has no WebGL; the words stand in place of the picture then.
@@ -123,13 +128,14 @@ class Picture {
   draw() {
     const {clientWidth: width, clientHeight: height} = this.canvas;
     if (!width || !height) return;
-    const {azimuth, elevation, distance} = this.look, degree = Math.PI / 180;
+    const [azimuth, elevation] = [this.look.azimuth, this.look.elevation].map((angle) => angle * Math.PI / 180);
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     // A narrow picture shows as much to the sides as a square one.
-    const away = distance / Math.min(1, this.camera.aspect);
-    this.camera.position.set(away * Math.cos(elevation * degree) * Math.cos(azimuth * degree), away * Math.cos(elevation * degree) * Math.sin(azimuth * degree), away * Math.sin(elevation * degree));
+    const away = this.look.distance / Math.min(1, this.camera.aspect);
+    const aside = away * Math.cos(elevation);
+    this.camera.position.set(aside * Math.cos(azimuth), aside * Math.sin(azimuth), away * Math.sin(elevation));
     this.camera.lookAt(0, 0, 0);
     this.camera.updateProjectionMatrix();
     this.renderer.render(this.scene, this.camera);
@@ -152,7 +158,9 @@ function onTurn(canvas, turn, zoom) {
   });
 }
 
-/// The arrow of a force on its line of action: {force, torque about the origin, wind frame}; longest: a force that is drawn 1.15 radii long.
+/// The arrow of a force on its line of action.
+/// @param load     {force, torque about the origin}, wind frame
+/// @param longest  a force that is drawn 1.15 radii long
 function forceArrow({force, torque}, longest, radius, colour, width) {
   const size = length(force);
   const point = size > 0 ? scaled(cross(force, torque), 1 / (size * size * radius)) : [0, 0, 0];
@@ -182,7 +190,7 @@ function fillSelect(select, texts) {
   select.replaceChildren(...texts.map((text, i) => new Option(text, i)));
 }
 
-// --- In three dimensions --------------------------------------------------------------------------------------------------------------------
+// --- In three dimensions ---------------------------------------------------------------------------------------------------------------
 
 function startPatches() {
   const {flow, pose, law} = find('[data-controls="patches"]').elements;
@@ -207,20 +215,23 @@ function startPatches() {
     const loads = [one, model].map(({coefficients: c}) => ({force: c.slice(0, 3), torque: scaled(c.slice(3), one.length)}));
     const longest = Math.max(...loads.map(({force}) => length(force)));
     const {reference: ink, law: blue} = colours();
-    pictures.forEach((picture, side) => picture?.show(corners,
-        shape.patch.map((patch) => ((value) => value == null ? [0.6, 0.6, 0.6] : colourOf(value, range))([one, model][side].pressures[patch])),
-        one.rotation, radius, [
-          windArrow, forceArrow(loads[0], longest, radius, ink, side === 0 ? 0.05 : 0.025), forceArrow(loads[1], longest, radius, blue, side === 1 ? 0.05 : 0.025)]));
+    pictures.forEach((picture, side) => {
+      const values = shape.patch.map((patch) => [one, model][side].pressures[patch]);
+      const arrows = [ink, blue].map((colour, i) => forceArrow(loads[i], longest, radius, colour, side === i ? 0.05 : 0.025));
+      picture?.show(corners, values.map((value) => value == null ? unknown : colourOf(value, range)), one.rotation, radius, [windArrow, ...arrows]);
+    });
     showScale('patches', range);
     say('law', model.label);
-    say('patches', `${shape.name}, ${one.pose}: case ${one.case}. Of pressures the law knows no more than differences: ${digits(model.gauge)} was taken off its Cp everywhere, so that the mean over the surface is OpenFOAM's; on a closed body that changes no force.`);
+    say('patches', `${shape.name}, ${one.pose}: case ${one.case}. Of pressures the law knows no more than differences: ${digits(model.gauge)} ` +
+        `was taken off its Cp everywhere, so that the mean over the surface is OpenFOAM's; on a closed body that changes no force.`);
     const names = ['CD', 'CS', 'CL', 'Cl', 'Cm', 'Cn'];
     fillTable('patch-forces', ['', 'OpenFOAM', model.label, 'error'], names.map((name, k) => [
-      name, fixed(one.coefficients[k]) + (k === 0 ? ' ± ' + fixed(one.u) : ''), fixed(model.coefficients[k]), fixed(model.coefficients[k] - one.coefficients[k])]));
+      name, fixed(one.coefficients[k]) + (k === 0 ? ' ± ' + fixed(one.u) : ''), fixed(model.coefficients[k]),
+      fixed(model.coefficients[k] - one.coefficients[k])]));
   };
   const choosePoses = () => {
     fillSelect(pose, flows[flow.value][1].map((one) => one.pose));
-    pose.value = Math.max(0, flows[flow.value][1].findIndex((one) => /^\w+ 30°$/.test(one.pose)));  // neither along an axis nor anybody's corner
+    pose.value = Math.max(0, flows[flow.value][1].findIndex((one) => /^\w+ 30°$/.test(one.pose)));  // symmetric poses tell less
     show();
   };
   flow.addEventListener('change', choosePoses);
@@ -240,13 +251,14 @@ function startPatches() {
   choosePoses();
 }
 
-// --- Try it ---------------------------------------------------------------------------------------------------------------------------------
+// --- Try it ----------------------------------------------------------------------------------------------------------------------------
 
 async function startTrial() {
   const form = find('[data-controls="trial"]');
   if (!document.getElementById('dragcore.mjs')) {
     for (const part of document.querySelectorAll('#try-it form, #try-it .views')) part.hidden = true;
-    say('library', 'Here the library itself would run, compiled to WebAssembly. This page was written without it, for want of Emscripten: apt-get install emscripten, then cmake --build build/release --target dragcore_wasm, then dragval report.');
+    say('library', 'Here the library itself would run, compiled to WebAssembly. This page was written without it, for want of Emscripten: ' +
+        'apt-get install emscripten, then cmake --build build/release --target dragcore_wasm, then dragval report.');
     return;
   }
   const dragcore = await (await import(address(await unpacked('dragcore.mjs')))).load();
@@ -255,9 +267,7 @@ async function startTrial() {
   const list = find('[data-list="effects"]');
   for (const effect of dragcore.effects) {
     const label = list.appendChild(document.createElement('label'));
-    const box = label.appendChild(Object.assign(document.createElement('input'), {type: 'checkbox', name: 'effect', value: effect, checked: true}));
-    label.append(' ' + effect);
-    box.setAttribute('aria-label', effect);
+    label.append(Object.assign(document.createElement('input'), {type: 'checkbox', name: 'effect', value: effect, checked: true}), ' ' + effect);
   }
   const results = document.getElementById('trial-forces');
   let body, corners, file;
@@ -272,8 +282,8 @@ async function startTrial() {
   function chooseShape() {
     if (fields.shape.value === 'file') return openFile();
     const [kind, ...parameters] = fields.shape.value.split(' ');
-    replaceBody(dragcore.shape(kind, Object.fromEntries(parameters.map((text) => text.split('=')).map(([name, value]) => [name, Number(value)])),
-        ['cube', 'box', 'plate', 'prism'].includes(kind) ? 2 : 16));
+    const sizes = Object.fromEntries(parameters.map((text) => text.split('=')).map(([name, value]) => [name, Number(value)]));
+    replaceBody(dragcore.shape(kind, sizes, ['cube', 'box', 'plate', 'prism'].includes(kind) ? 2 : 16));
     show();
   }
 
@@ -289,7 +299,8 @@ async function startTrial() {
       fields.shape.querySelector('[value=file]').disabled = false;
       fields.shape.value = 'file';
       show();
-      say('library', `${file.name}: ${body.triangles} triangles, read in ${{1: 'metres', 0.01: 'centimetres', 0.001: 'millimetres'}[unit]}. ${body.notes.join(' ')}`);
+      const units = {1: 'metres', 0.01: 'centimetres', 0.001: 'millimetres'};
+      say('library', `${file.name}: ${body.triangles} triangles, read in ${units[unit]}. ${body.notes.join(' ')}`);
     } catch (fault) {
       say('library', `${file.name}: ${fault.message}`);
     }
@@ -303,13 +314,15 @@ async function startTrial() {
 
   function show() {
     const number = (name) => Number(fields[name].value) || 0;
-    for (const name of ['incidence', 'yaw', 'roll']) fields[name].nextElementSibling.textContent = `${fields[name].value}°`.replace('-', '−');
+    for (const name of ['incidence', 'yaw', 'roll'])
+      fields[name].nextElementSibling.textContent = `${fields[name].value}°`.replace('-', '−');
     const speed = number('speed'), spin = [number('spin_x'), number('spin_y'), number('spin_z')];
     const rotation = rotationOf(number('incidence'), number('yaw'), number('roll'));
     const toWind = (v) => turned(rotation, v);
     const reynoldsLength = body.referenceLength || 2 * body.radius, density = 1.225;
     const reynolds = number('reynolds'), viscosity = reynolds > 0 ? density * speed * reynoldsLength / reynolds : 0;
-    const flow = {wind: turnedBack(rotation, [speed, 0, 0]), angularVelocity: turnedBack(rotation, spin), referencePoint: body.centre, density, viscosity};
+    const toBody = (v) => turnedBack(rotation, v);
+    const flow = {wind: toBody([speed, 0, 0]), angularVelocity: toBody(spin), referencePoint: body.centre, density, viscosity};
     const boxes = [...form.querySelectorAll('[name=effect]')];
     const model = {law: fields.law.value, effects: boxes.filter((box) => box.checked).map((box) => box.value)};
     const wrench = body.wrench(flow, model), validity = body.validity(flow, model);
@@ -324,14 +337,17 @@ async function startTrial() {
       ['CD, CS, CL', ...force.map(coefficient)],
       ...dragcore.terms.map((term) => [`of these: ${term}`, ...toWind(wrench.terms[term].force).map(coefficient)]),
     ]);
-    say('trial', `${body.bodyClass === 'sheet' ? 'A sheet' : `A ${body.bodyClass} body`} of ${body.triangles} triangles. Coefficients on ${digits(area)} m², ${body.referenceArea ? 'the reference area of its kind' : 'what faces the wind'}.`);
+    say('trial', `${body.bodyClass === 'sheet' ? 'A sheet' : `A ${body.bodyClass} body`} of ${body.triangles} triangles. ` +
+        `Coefficients on ${digits(area)} m², ${body.referenceArea ? 'the reference area of its kind' : 'what faces the wind'}.`);
     // With every digit, for whoever wants to compare.
     results.dataset.force = JSON.stringify(wrench.force);
     results.dataset.torque = JSON.stringify(wrench.torque);
     results.dataset.flow = JSON.stringify(flow);
 
-    say('expected', expectedError(reynolds || 1e5, fields.law.selectedOptions[0].textContent, length(spin) > 0, boxes.every((box) => box.checked)));
-    find('[data-list="doubts"]').replaceChildren(...validity.reasons.map((reason) => Object.assign(document.createElement('li'), {textContent: reason})));
+    const law = fields.law.selectedOptions[0].textContent;
+    say('expected', expectedError(reynolds || 1e5, law, length(spin) > 0, boxes.every((box) => box.checked)));
+    const items = validity.reasons.map((reason) => Object.assign(document.createElement('li'), {textContent: reason}));
+    find('[data-list="doubts"]').replaceChildren(...items);
 
     if (!picture) return;
     const pressures = Array.from({length: body.triangles}, (_, i) => {
@@ -350,7 +366,8 @@ async function startTrial() {
 
   function expectedError(reynolds, law, spins, whole) {
     const known = errors.filter((row) => row.law === law && row.class === body.bodyClass && reynolds >= row.from && reynolds < row.to);
-    const part = (unseen, words) => known.filter((row) => row.unseen === unseen).map((row) => `${(100 * row.rms).toFixed(0)} % rms on ${row.n} ${words}`);
+    const part = (unseen, words) => known.filter((row) => row.unseen === unseen)
+        .map((row) => `${(100 * row.rms).toFixed(0)} % rms on ${row.n} ${words}`);
     const parts = [...part(false, 'cases that it may have been fitted to'), ...part(true, 'that no fit has seen')];
     if (parts.length === 0) return `No reference of this class near this Reynolds number says how wrong the ${law} is here.`;
     const where = known[0].to > 1e8 ? 'above Re 10⁴' : `from Re ${known[0].from} to ${known[0].to}`;

@@ -1,4 +1,4 @@
-// Contents list from the headings, then every figure from its specification. `data-shown` tells a test, or a reader's script, how each ended.
+// Contents list from the headings, then every figure from its specification. `data-shown` tells a test how each ended.
 const contents = document.querySelector('nav');
 for (const section of document.querySelectorAll('main > section')) {
   const link = document.createElement('a');
@@ -29,5 +29,5 @@ async function show(plot, specification) {
 }
 
 unpacked('specifications').then(JSON.parse)
-    .then((specifications) => Promise.all([...document.querySelectorAll('[data-figure]')].map((plot) => show(plot, specifications[plot.dataset.figure]))))
+    .then((all) => Promise.all([...document.querySelectorAll('[data-figure]')].map((plot) => show(plot, all[plot.dataset.figure]))))
     .then(() => { document.documentElement.dataset.complete = 'yes'; });

@@ -38,7 +38,10 @@ export async function load() {
   }
   const numbersAt = (place, count) => new Float64Array(wasm.HEAPU8.buffer, place, count).slice();
   /// The numbers that a function writes to its last argument.
-  const numbersOf = (count, call, ...given) => withMemory([8 * count, ...given], (out, ...places) => (call(out, ...places), numbersAt(out, count)));
+  const numbersOf = (count, call, ...given) => withMemory([8 * count, ...given], (out, ...places) => {
+    call(out, ...places);
+    return numbersAt(out, count);
+  });
 
   wasm._web_words();
   const [laws, terms, effects] = said().trimEnd().split('\n\n').map((list) => list.split('\n'));
@@ -171,7 +174,8 @@ export async function load() {
   }
 
   const roundBodies = ['cone', 'sphere', 'cylinder', 'ellipsoid', 'teardrop'];
-  const fromFile = (bytes, isObj, unit) => withMemory([bytes], (place) => new Body(wasm._web_body_of_file(place, bytes.byteLength, isObj, unit)));
+  const fromFile = (bytes, isObj, unit) =>
+      withMemory([bytes], (place) => new Body(wasm._web_body_of_file(place, bytes.byteLength, isObj, unit)));
   return {
     laws,
     terms,
