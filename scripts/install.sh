@@ -8,7 +8,9 @@ cd "$(dirname "$0")/.."
 
 packages=(build-essential cmake ninja-build pkg-config git ca-certificates
   libeigen3-dev libhwy-dev libtbb-dev libembree-dev catch2 libhdf5-dev hdf5-tools libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libfmt-dev
-  libssl-dev libboost-dev libceres-dev libgmsh-dev libmujoco-dev libbullet-dev python3 python3-h5py chromium fonts-dejavu-core)
+  libssl-dev zlib1g-dev libboost-dev libceres-dev libgmsh-dev libmujoco-dev libbullet-dev python3 python3-h5py chromium fonts-dejavu-core)
+# The library for pages and the report: 900 MB unpacked, most of it Emscripten's own libraries.
+[[ ${1:-} == --with-bench ]] || packages+=(emscripten)
 [[ ${1:-} == --without-cfd || ${1:-} == --with-bench ]] || packages+=(openfoam openmpi-bin)
 [[ ${1:-} != --with-bench && ${1:-} != --with-slurm ]] || packages+=(libbenchmark-dev valgrind)
 [[ ${1:-} != --with-slurm ]] || packages+=(slurmctld slurmd slurm-client munge)

@@ -20,7 +20,7 @@ status=0
 
 if $stored; then scripts/install.sh --without-cfd; else scripts/install.sh; fi
 lap install
-scripts/build.sh release dragval cfd_mesh
+scripts/build.sh release dragval cfd_mesh dragcore_wasm
 lap build
 dragval=build/release/bin/dragval
 

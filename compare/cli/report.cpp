@@ -16,6 +16,7 @@ void add_report(CLI::App& app, Context& context) {
     SourceOptions source;
     std::string output = "results/report/index.html";
     std::string assets = "compare/report";
+    std::string wasm = DRAG_WASM_MODULE;
     std::string specs;
     bool quick_cost = false;
   };
@@ -25,6 +26,8 @@ void add_report(CLI::App& app, Context& context) {
   add_source_options(*command, options->source);
   command->add_option("--output", options->output, "The page")->capture_default_str();
   command->add_option("--assets", options->assets, "Folder of the page's template, style and figure libraries")->capture_default_str();
+  command->add_option("--wasm", options->wasm, "The library for JavaScript, which the page runs where there is one (target dragcore_wasm)")
+      ->capture_default_str();
   command->add_option("--specs", options->specs, "Folder for the figures as Vega-Lite files too (scripts/figures.sh makes SVG of them)");
   command->add_flag("--quick-cost", options->quick_cost, "Measure the cost of the drag model with fewer repetitions and meshes");
   command->callback([options, &context] {
@@ -42,7 +45,7 @@ void add_report(CLI::App& app, Context& context) {
       context.exit_code = exit_code::nothing_compared;
       return;
     }
-    compare::write_report(report, options->output, options->assets);
+    compare::write_report(report, options->output, options->assets, options->wasm);
     if (!options->specs.empty()) {
       std::filesystem::create_directories(options->specs);
       for (const auto& [name, spec] : compare::figures(report)) {

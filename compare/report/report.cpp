@@ -5,7 +5,10 @@
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <string>
 
+#include "compare/report/packed.hpp"
+#include "compare/report/report_bodies.hpp"
 #include "compare/report/report_sections.hpp"
 
 namespace compare {
@@ -21,6 +24,18 @@ void replace(std::string& page, const std::string& mark, const std::string& text
   const auto place = page.find(mark);
   if (place == std::string::npos) throw std::runtime_error("page.html of the report has no " + mark + "; restore it from the repository");
   page.replace(place, mark.size(), text);
+}
+
+/// With numbers to six digits, more than any figure shows.
+std::string short_text(nlohmann::json value) {
+  const auto round = [](auto& self, nlohmann::json& node) -> void {
+    if (node.is_number_float())
+      node = std::stod(fmt::format("{:.6g}", node.get<double>()));
+    else if (node.is_structured())
+      for (nlohmann::json& child : node) self(self, child);
+  };
+  round(round, value);
+  return value.dump();
 }
 
 }  // namespace
@@ -53,7 +68,8 @@ Report make_report(Reference reference, std::vector<CaseRecord> spinning, const 
   return report;
 }
 
-void write_report(const Report& report, const std::filesystem::path& output, const std::filesystem::path& assets) {
+void write_report(const Report& report, const std::filesystem::path& output, const std::filesystem::path& assets,
+                  const std::filesystem::path& wasm) {
   constexpr const char* restore = "call dragval from the root of the repository, or name the folder with --assets";
   constexpr const char* install = "fetch the figure libraries with scripts/run.sh or `npm ci --prefix compare/report`";
   std::string page = content_of(assets / "page.html", restore);
@@ -65,15 +81,18 @@ void write_report(const Report& report, const std::filesystem::path& output, con
   const auto specs = figures(report);
   nlohmann::json shown = specs;
   shown.erase("drag_against_orientation");  // repeats panels of the sweeps
-  std::string figure_text = shown.dump();
-  for (std::size_t at = 0; (at = figure_text.find('<', at)) != std::string::npos;)
-    figure_text.replace(at, 1, "\\u003c");  // no tag ends the script early
+  for (const char* file : {"three.core.min.js", "three.module.min.js"})
+    libraries += packed(file, content_of(assets / "node_modules/three/build" / file, install));
+  // Without Emscripten there is no library for pages: bodies.js then says how to get it.
+  if (std::ifstream code{wasm, std::ios::binary}) libraries += packed("dragcore.mjs", {std::istreambuf_iterator<char>(code), {}});
 
   replace(page, "<!-- style -->", "<style>\n" + content_of(assets / "style.css", restore) + "</style>");
-  replace(page, "<!-- sections -->", report_sections(report, list, specs));
-  replace(page, "<!-- figures -->", "<script type=\"application/json\" id=\"specifications\">" + figure_text + "</script>");
+  replace(page, "<!-- sections -->", report_sections(report, list, specs, content_of(assets / "bodies.html", restore)));
+  replace(page, "<!-- figures -->", packed("specifications", short_text(shown)) + packed("bodies", short_text(report_bodies(report))));
   replace(page, "<!-- libraries -->", libraries);
-  replace(page, "<!-- show -->", "<script>\n" + content_of(assets / "show.js", restore) + "</script>");
+  replace(page, "<!-- show -->",
+          "<script>\n" + content_of(assets / "show.js", restore) + "</script>\n<script type=\"module\">\n" +
+              content_of(assets / "bodies.js", restore) + "</script>");
 
   if (output.has_parent_path()) std::filesystem::create_directories(output.parent_path());
   std::ofstream file(output, std::ios::binary);

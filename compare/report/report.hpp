@@ -51,8 +51,10 @@ Report make_report(Reference reference, std::vector<CaseRecord> spinning, const 
 std::map<std::string, nlohmann::json> figures(const Report& report);
 
 /// Writes one HTML file that needs nothing else, neither files nor network.
-/// @param assets  folder of the template, the style and node_modules with vega, vega-lite and vega-embed
+/// @param assets  folder of the template, the style and node_modules with vega, vega-lite, vega-embed and three
+/// @param wasm    the library for JavaScript, dragcore.mjs; where it is missing, the page says how to make it
 /// @throws std::runtime_error  when one of these is missing or the output cannot be written: the message says what to do
-void write_report(const Report& report, const std::filesystem::path& output, const std::filesystem::path& assets);
+void write_report(const Report& report, const std::filesystem::path& output, const std::filesystem::path& assets,
+                  const std::filesystem::path& wasm);
 
 }  // namespace compare

@@ -736,8 +736,9 @@ std::string provenance_section(const Report& report) {
 
 }  // namespace
 
-std::string report_sections(const Report& report, const std::vector<Sweep>& list, const std::map<std::string, nlohmann::json>& specs) {
-  return verdict_section(report, list) + note_section(report) + figures_section(report, list, specs) + errors_section(report, list) +
+std::string report_sections(const Report& report, const std::vector<Sweep>& list, const std::map<std::string, nlohmann::json>& specs,
+                            const std::string& bodies) {
+  return verdict_section(report, list) + note_section(report) + figures_section(report, list, specs) + bodies + errors_section(report, list) +
          published_section(report) + spin_section(report) + calibration_section(report) + cost_section(report, specs) +
          provenance_section(report);
 }

@@ -1,4 +1,4 @@
-// Contents list from the headings, then every figure from its specification. `data-shown` tells a test, or a reader's script, how each ended.
+// Contents list from the headings, then every figure from its specification. `data-shown` tells a test how each ended.
 const contents = document.querySelector('nav');
 for (const section of document.querySelectorAll('main > section')) {
   const link = document.createElement('a');
@@ -7,10 +7,15 @@ for (const section of document.querySelectorAll('main > section')) {
   contents.append(link);
 }
 
-const specifications = JSON.parse(document.getElementById('specifications').textContent);
-const plots = [...document.querySelectorAll('[data-figure]')].map(async (plot) => {
+/// The text of an element that packed.cpp made.
+async function unpacked(id) {
+  const bytes = Uint8Array.from(atob(document.getElementById(id).textContent), (letter) => letter.charCodeAt(0));
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'))).text();
+}
+
+async function show(plot, specification) {
   try {
-    await vegaEmbed(plot, specifications[plot.dataset.figure], {
+    await vegaEmbed(plot, specification, {
       renderer: 'svg',
       // The editor is a web site: this page asks the network for nothing.
       actions: {export: {svg: true, png: false}, source: false, compiled: false, editor: false},
@@ -21,5 +26,8 @@ const plots = [...document.querySelectorAll('[data-figure]')].map(async (plot) =
     plot.textContent = 'This figure could not be drawn: ' + fault;
     console.error(fault);
   }
-});
-Promise.all(plots).then(() => { document.documentElement.dataset.complete = 'yes'; });
+}
+
+unpacked('specifications').then(JSON.parse)
+    .then((all) => Promise.all([...document.querySelectorAll('[data-figure]')].map((plot) => show(plot, all[plot.dataset.figure]))))
+    .then(() => { document.documentElement.dataset.complete = 'yes'; });

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <stdexcept>
 
@@ -43,7 +44,7 @@ bool in_kernels(const Law& law, const Pillow& pillow, Effects effects) {
 /// All numbers of a law but its name, which lie together.
 bool same_numbers(const Law& a, const Law& b) {
   constexpr std::size_t count = 2 * std::tuple_size_v<Law::Polynomial> + 13;
-  static_assert(sizeof(Law) == sizeof(std::string) + count * sizeof(double));
+  static_assert(sizeof(Law) == offsetof(Law, windward) + count * sizeof(double));
   return std::memcmp(&a.windward, &b.windward, count * sizeof(double)) == 0;
 }
 bool same(const Law& law, const Pillow& pillow, const Law& other_law, const Pillow& other_pillow) {

@@ -1,8 +1,8 @@
 // The report as a reader meets it: built by the program, opened in Chromium without a network. Run by ctest from the root of the repository.
-// DRAGVAL and REPORT_REFERENCES name the two programs.
+// DRAGVAL and REPORT_REFERENCES name the two programs, WASM the library for JavaScript; it is empty where there is no Emscripten.
 import assert from 'node:assert/strict';
 import {execFileSync, spawnSync} from 'node:child_process';
-import {cpSync, existsSync, mkdirSync, mkdtempSync, rmSync} from 'node:fs';
+import {cpSync, existsSync, mkdirSync, mkdtempSync, rmSync, statSync, writeFileSync} from 'node:fs';
 import {createRequire} from 'node:module';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
@@ -10,7 +10,7 @@ import {after, before, describe, test} from 'node:test';
 import {pathToFileURL} from 'node:url';
 
 const {chromium} = createRequire(join(process.cwd(), 'compare/report/package.json'))('playwright-core');
-const {DRAGVAL, REPORT_REFERENCES} = process.env;
+const {DRAGVAL, REPORT_REFERENCES, WASM} = process.env;
 const folder = mkdtempSync(join(tmpdir(), 'report-test-'));
 const lawStore = join(folder, 'law.h5');
 const chromiumPath = process.env.CHROMIUM ?? '/usr/bin/chromium';
@@ -22,7 +22,7 @@ before(async () => {
   browser = await chromium.launchPersistentContext(join(folder, 'profile'), {
     executablePath: chromiumPath,
     viewport: {width: 1280, height: 900},
-    args: ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
+    args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
   });
 });
 
@@ -33,22 +33,24 @@ after(async () => {
 
 const report = (...options) => spawnSync(DRAGVAL, ['report', '--quick-cost', ...options], {encoding: 'utf8'});
 
-function build(store, name) {
+function build(store, name, ...options) {
   const output = join(folder, name, 'index.html');
-  const run = report('--store', store, '--output', output);
+  const run = report('--store', store, '--output', output, ...options);
   assert.equal(run.status, 0, run.stderr);
   return output;
 }
 
 /// Opens a page and notes every complaint of the browser and every address it asks for.
-async function open(file) {
+/// @param prepare  runs in the page before anything of its own
+async function open(file, prepare = '') {
   const page = await browser.newPage();
   const faults = [], requests = [];
   page.on('console', (message) => { if (['error', 'warning'].includes(message.type())) faults.push(message.text()); });
   page.on('pageerror', (error) => faults.push(error.message));
-  page.on('request', (request) => requests.push(request.url()));
+  page.on('request', (request) => { if (!request.url().startsWith('blob:')) requests.push(request.url()); });  // a blob is of the page itself
+  await page.addInitScript(prepare);
   await page.goto(pathToFileURL(file).href);
-  await page.waitForSelector('html[data-complete]', {state: 'attached'});
+  await page.waitForSelector('html[data-complete][data-bodies]', {state: 'attached'});
   return {page, faults, requests, file};
 }
 
@@ -131,6 +133,137 @@ describe('references made by a law with scale 0.9 and base suction 0.3', () => {
     assert.equal(await plot.locator('.mark-rule.role-mark line').count(), 3 * 6);
   });
 
+  /// How many pixels of a canvas have another colour than its ground, and how many of these are orange and blue.
+  const inked = (page, view) => page.$eval(`[data-view="${view}"]`, (canvas) => {
+    const copy = document.createElement('canvas');
+    [copy.width, copy.height] = [canvas.width, canvas.height];
+    const context = copy.getContext('2d');
+    context.drawImage(canvas, 0, 0);
+    const {data} = context.getImageData(0, 0, copy.width, copy.height);
+    const count = {all: 0, orange: 0, blue: 0, sum: 0, pixels: data.length / 4};
+    for (let i = 0; i < data.length; i += 4) {
+      if (data[i + 3] === 0) continue;
+      ++count.all;
+      if (data[i] > data[i + 2] + 40) ++count.orange;
+      if (data[i + 2] > data[i] + 40) ++count.blue;
+      count.sum = (count.sum * 31 + data[i] + 256 * data[i + 1] + 65536 * data[i + 2]) % 2147483647;
+    }
+    return count;
+  });
+
+  test('both pictures of the surface pressure are drawn, and the keys turn them', async () => {
+    const {page} = opened;
+    for (const view of ['reference', 'law']) {
+      const before = await inked(page, view);
+      assert.ok(before.all > 0.05 * before.pixels, `${view}: ${before.all} of ${before.pixels} pixels drawn`);
+      assert.ok(before.orange > 500 && before.blue > 500, `${view}: pressure, and the arrow of the law; ${JSON.stringify(before)}`);
+      await page.locator(`[data-view="${view}"]`).focus();
+      await page.keyboard.press('ArrowLeft');
+      assert.notEqual((await inked(page, view)).sum, before.sum, view);
+    }
+  });
+
+  test('beside the pictures stand the coefficients of body and pose that are chosen, as the table of errors has them', async () => {
+    const {page} = opened;
+    await page.locator('[data-controls="patches"] [name=flow]').selectOption({label: 'plate at Re 10\u2075, k-\u03c9 SST'});
+    await page.locator('[data-controls="patches"] [name=pose]').selectOption({label: 'incidence 90\u00b0'});
+    await page.locator('[data-controls="patches"] [name=law]').selectOption({label: "note's law"});
+    const [drag] = await rows(page, 'patch-forces');
+    assert.deepEqual(drag, ['CD', '1.224 \u00b1 0.050', '1.000', '\u22120.224']);
+  });
+
+  const trial = {skip: WASM ? false : 'the build has no Emscripten'};
+  const resultsOf = (page) => page.$eval('#trial-forces', ({dataset}) => ({force: JSON.parse(dataset.force), torque: JSON.parse(dataset.torque), flow: JSON.parse(dataset.flow)}));
+
+  test('the library in the page gives a dropped STL file what the program gives it', trial, async () => {
+    const {page} = opened;
+    // A wedge of unequal sides, so that no component is zero; in millimetres, which the page guesses.
+    const corners = [[0, 0, 0], [1200, 0, 0], [0, 900, 0], [100, 200, 700]];
+    const facet = (a, b, c) => `facet normal 0 0 0\nouter loop\n${[a, b, c].map((i) => 'vertex ' + corners[i].join(' ')).join('\n')}\nendloop\nendfacet\n`;
+    const stl = `solid wedge\n${facet(0, 2, 1)}${facet(0, 1, 3)}${facet(1, 2, 3)}${facet(2, 0, 3)}endsolid wedge\n`;
+    const file = join(folder, 'wedge.stl');
+    writeFileSync(file, stl);
+    const transfer = await page.evaluateHandle((text) => {
+      const given = new DataTransfer();
+      given.items.add(new File([text], 'wedge.stl'));
+      return given;
+    }, stl);
+    await page.dispatchEvent('#try-it', 'drop', {dataTransfer: transfer});
+    await page.waitForFunction(() => document.querySelector('[data-text=library]').textContent.startsWith('wedge.stl: 4 triangles, read in millimetres'));
+
+    const form = page.locator('[data-controls="trial"]');
+    const set = (name, value) => form.locator(`[name=${name}]`).fill(String(value));
+    for (const [name, value] of Object.entries({speed: 12, incidence: 35, yaw: -20, roll: 10, spin_x: 1, spin_y: -2, spin_z: 4})) await set(name, value);
+    for (const [law, reynolds] of [['class', '0'], ['note', '0'], ['consistent', '0'], ['class', '100']]) {
+      await form.locator('[name=law]').selectOption(law);
+      await form.locator('[name=reynolds]').selectOption(reynolds);
+      const found = await resultsOf(page);
+      const run = JSON.parse(execFileSync(DRAGVAL, ['drag', file, '--unit', 'mm', '--law', law, '--wind', ...found.flow.wind.map(String), '--spin', ...found.flow.angularVelocity.map(String),
+        '--centre', ...found.flow.referencePoint.map(String), '--viscosity', String(found.flow.viscosity), '--density', String(found.flow.density), '--format', 'json'], {encoding: 'utf8'}));
+      const [row] = run.rows;
+      const size = Math.hypot(...row.force_N);
+      assert.ok(size > 1, `${size} N`);
+      // The kernels of the native program sum in single precision within blocks: 1e-6 of the dynamic pressure times the area.
+      for (let k = 0; k < 3; ++k) {
+        assert.ok(Math.abs(found.force[k] - row.force_N[k]) < 1e-6 * size, `${law}: ${found.force} N, natively ${row.force_N}`);
+        assert.ok(Math.abs(found.torque[k] - row.torque_N_m[k]) < 1e-6 * size, `${law}: ${found.torque} N m, natively ${row.torque_N_m}`);
+      }
+    }
+  });
+
+  test('a body is turned by keys on its picture, and what is known of its force changes with it', trial, async () => {
+    const {page} = opened;
+    const form = page.locator('[data-controls="trial"]');
+    for (const name of ['spin_x', 'spin_y', 'spin_z', 'incidence', 'yaw', 'roll']) await form.locator(`[name=${name}]`).fill('0');
+    await form.locator('[name=shape]').selectOption('plate');
+    await form.locator('[name=law]').selectOption('class');
+    await form.locator('[name=reynolds]').selectOption('0');
+    const edgeOn = await page.locator('[data-list=doubts]').innerText();
+    assert.match(edgeOn, /edge-on/);
+    const before = await resultsOf(page), picture = await inked(page, 'trial');
+    assert.ok(picture.all > 0.03 * picture.pixels, JSON.stringify(picture));
+    await page.locator('[data-view="trial"]').focus();
+    for (let i = 0; i < 6; ++i) await page.keyboard.press('ArrowDown');
+    assert.equal(await form.locator('[name=incidence]').inputValue(), '30');
+    const after = await resultsOf(page);
+    assert.ok(Math.hypot(...after.force) > 3 * Math.hypot(...before.force));
+    assert.match(await page.locator('[data-list=doubts]').innerText(), /17 and 48/);
+    assert.match(await page.locator('[data-text=expected]').innerText(), /Error of drag to expect: \d+ % rms on \d+ cases/);
+    await form.locator('[name=effect][value="friction"]').uncheck();
+    assert.match(await page.locator('[data-text=expected]').innerText(), /effects are off/);
+    assert.ok(Math.hypot(...(await resultsOf(page)).force) < Math.hypot(...after.force));
+    await form.locator('[name=effect][value="friction"]').check();
+  });
+
+  test('a file that is no mesh is refused in words, and the body before stays', trial, async () => {
+    const {page} = opened;
+    const before = await resultsOf(page);
+    await page.setInputFiles('[data-controls="trial"] [name=file]', {name: 'letter.stl', mimeType: 'model/stl', buffer: Buffer.from('Dear reader')});
+    await page.waitForFunction(() => document.querySelector('[data-text=library]').textContent.startsWith('letter.stl: dragcore: '));
+    assert.deepEqual((await resultsOf(page)).force, before.force);
+    assert.deepEqual(opened.faults, [], 'the browser complained');
+  });
+
+  test('on a phone nothing of both sections is wider than the screen, and pictures stack', async () => {
+    const {page} = opened;
+    await page.setViewportSize({width: 390, height: 800});
+    const boxes = await page.$$eval('#three-d canvas', (list) => list.map((canvas) => canvas.getBoundingClientRect().toJSON()));
+    assert.ok(boxes[1].top >= boxes[0].bottom, 'one under the other');
+    const wide = await page.$$eval('#three-d *, #try-it *', (list) => list.filter((part) => !part.closest('.wide') && part.getBoundingClientRect().right > 391).map((part) => part.outerHTML.slice(0, 80)));
+    assert.deepEqual(wide, []);
+    await page.setViewportSize({width: 1280, height: 900});
+  });
+
+  test('without WebGL words stand in place of the pictures, and the numbers are there', async () => {
+    const without = await open(opened.file, () => { HTMLCanvasElement.prototype.getContext = () => null; });
+    assert.deepEqual(without.faults, []);
+    assert.equal(await without.page.locator('canvas.view').count(), 0);
+    assert.match(await without.page.locator('#three-d').innerText(), /no WebGL/);
+    assert.equal((await rows(without.page, 'patch-forces')).length, 6);
+    if (WASM) assert.ok((await rows(without.page, 'trial-forces')).length > 3);
+    await without.page.close();
+  });
+
   test('all bodies of the note\'s table are there, and the calibration gives the coefficients back', async () => {
     const bodies = (await rows(opened.page, 'note-table')).map((row) => row[0]);
     assert.deepEqual(bodies, ['Ball', 'Cube', 'Cube at 45 deg', 'Cone', 'Teardrop']);
@@ -146,6 +279,8 @@ test('the page of the committed references has every one of their cases', async 
   assert.ok(existsSync(store), `${store} is part of the repository`);
   const opened = await open(build(store, 'committed'));
   await checkPage(opened);
+  const size = statSync(opened.file).size;
+  assert.ok(size <= 6e6, `${size} bytes; 6 MB is what a letter carries`);
   const table = JSON.parse(execFileSync(DRAGVAL, ['compare', '--store', store, '--format', 'json', '--output', ''], {encoding: 'utf8'}));
   const {page} = opened;
   const expected = new Set(table.rows.map((row) => row.case));
@@ -171,6 +306,12 @@ test('the page of the committed references has every one of their cases', async 
   assert.deepEqual(moments.filter((row) => row[0] === 'cube at Re 10⁵, k-ω SST').map((row) => row[1]), ['Cn']);
 });
 
+test('without the library for JavaScript the page says how to make it', async () => {
+  const opened = await open(build(lawStore, 'without-library', '--wasm', join(folder, 'no-such.mjs')));
+  await checkPage(opened);
+  assert.match(await opened.page.locator('#try-it').innerText(), /apt-get install emscripten/);
+});
+
 test('without a usable case nothing is written and the exit code is 5', () => {
   const store = join(folder, 'failed.h5'), output = join(folder, 'failed.html');
   execFileSync(REPORT_REFERENCES, [store, 'failed']);
@@ -183,7 +324,7 @@ test('without a usable case nothing is written and the exit code is 5', () => {
 test('without the figure libraries the exit code is 3 and the message says how to get them', () => {
   const assets = join(folder, 'assets');
   mkdirSync(assets);
-  for (const file of ['page.html', 'style.css', 'show.js']) cpSync(join('compare/report', file), join(assets, file));
+  for (const file of ['page.html', 'style.css', 'show.js', 'bodies.html', 'bodies.js']) cpSync(join('compare/report', file), join(assets, file));
   const run = report('--store', lawStore, '--output', join(folder, 'none.html'), '--assets', assets);
   assert.equal(run.status, 3, run.stderr);
   assert.match(run.stderr, /vega\.min\.js is missing.*npm ci --prefix compare\/report/);

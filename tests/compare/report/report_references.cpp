@@ -62,7 +62,7 @@ std::vector<compare::PatchMean> patches(const CaseRecord& record) {
     if (patch.area < 0.01) continue;  // a triangle of a curved side is no planar face
     compare::PatchMean mean;
     const double c = -flow.dot(patch.normal);
-    mean.name = "face_" + std::to_string(means.size());
+    mean.name = compare::patch_of(record.shape, patch.centroid, patch.normal);
     mean.area = patch.area;
     mean.centroid = patch.centroid;
     mean.area_vector = patch.area * patch.normal;
