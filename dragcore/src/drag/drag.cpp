@@ -1,3 +1,4 @@
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <dragcore/drag.hpp>
@@ -5,6 +6,7 @@
 #include <string>
 
 #include "drag/check.hpp"
+#include "drag/corrected_flow.hpp"
 #include "drag/energy_balance.hpp"
 #include "drag/fast_wrench.hpp"
 #include "drag/folded_model.hpp"
@@ -75,6 +77,7 @@ void check_input(const Surface& surface, const Motion& motion, const Medium& med
   require(given == 0 || given == static_cast<std::size_t>(surface.size()), "wrench: entries of motion.triangle_wind", given,
           [&] { return "the surface has " + std::to_string(surface.size()) + " triangles (degenerate ones are dropped)"; });
   check_input(motion, medium, model);
+  if (model.check && is_corrected(model)) check_correction(*model.correction, surface, medium);
 }
 
 void check_result(bool finite, const Model& model) {
@@ -97,6 +100,8 @@ std::string to_string(Term term) {
       return "curvature";
     case Term::friction:
       return "friction";
+    case Term::correction:
+      return "correction";
     case Term::count:
       break;
   }
@@ -125,6 +130,8 @@ std::string to_string(Effect effect) {
       return "wind variation";
     case Effect::viscous:
       return "viscous terms";
+    case Effect::correction:
+      return "correction";
   }
   throw std::invalid_argument("not an effect");
 }
@@ -172,10 +179,40 @@ WrenchByTerm wrench(const Surface& surface, const Motion& motion, const Medium& 
   check_input(surface, motion, medium, model);
   WrenchByTerm taken;
   if (!fast_wrench(surface, motion, medium, model, taken)) taken = full_wrench(surface, motion, medium, model);
+  if (is_corrected(model)) taken[Term::correction] = CorrectedFlow(surface, motion, medium, model).beside(taken.total());
   const Wrench total = taken.total();
   check_result(total.force.allFinite() && total.torque.allFinite(), model);
   return taken;
 }
+
+namespace {
+
+/// The correction by triangle, force and torque about the reference point: a traction F/A + b x (r - centre), with b such that its torque is
+/// that of the correction.
+Eigen::Matrix<double, 6, Eigen::Dynamic> spread_correction(const Surface& surface, const Motion& motion, const Medium& medium,
+                                                           const Model& model, const Wrench& of_law) {
+  const Wrench whole = CorrectedFlow(surface, motion, medium, model).beside(of_law);
+  const Vector3d arm = surface.centre - motion.reference_point;
+  const auto moment_of = [&](Eigen::Index i) {  // of a triangle about its own centroid, per area
+    const Eigen::Matrix3d second = triangle_second_moment(Vector3d(surface.edge_ab.row(i).matrix()), Vector3d(surface.edge_ac.row(i).matrix()));
+    return Eigen::Matrix3d(second.trace() * Eigen::Matrix3d::Identity() - second);
+  };
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  for (Eigen::Index i = 0; i < surface.size(); ++i) {
+    const Vector3d r = surface.centroid.row(i).matrix().transpose() - surface.centre;
+    inertia += surface.area[i] * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose() + moment_of(i));
+  }
+  const Vector3d turn = inertia.ldlt().solve(Vector3d(whole.torque - arm.cross(whole.force)));
+  Eigen::Matrix<double, 6, Eigen::Dynamic> spread(6, surface.size());
+  for (Eigen::Index i = 0; i < surface.size(); ++i) {
+    const Vector3d r = surface.centroid.row(i).matrix().transpose() - surface.centre;
+    const Vector3d force = surface.area[i] * (whole.force / surface.total_area + turn.cross(r));
+    spread.col(i) << force, (arm + r).cross(force) + surface.area[i] * (moment_of(i) * turn);
+  }
+  return spread;
+}
+
+}  // namespace
 
 TriangleForces triangle_forces(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
   check_input(surface, motion, medium, model);
@@ -204,6 +241,7 @@ TriangleForces triangle_forces(const Surface& surface, const Motion& motion, con
     }
   });
   if (balance.has_gain()) taken += balance.gain_share() * given;
+  if (is_corrected(model)) taken += spread_correction(surface, motion, medium, model, {taken.topRows<3>().rowwise().sum(), taken.bottomRows<3>().rowwise().sum()});
   check_result(taken.allFinite(), model);
   TriangleForces result;
   result.force = taken.topRows<3>();
