@@ -30,7 +30,8 @@ using Eigen::VectorXd;
 constexpr double least_share_of_force = 0.3;
 /// Of the force, below which no reference is taken to be known: scatter between poses that u does not hold.
 constexpr double least_u = 0.01;
-constexpr std::array lengths{0.35, 0.5, 0.7, 1.0, 1.4}, sizes{0.5, 1.0, 2.0};
+constexpr std::array lengths{0.35, 0.5, 0.7, 1.0, 1.4};
+constexpr std::array sizes{0.5, 1.0, 2.0};
 constexpr double kappa_step = 0.05;
 constexpr int kappas = 31;  // 0 to 1.5
 /// Cells of the octahedron's edges, 6 to 9 degrees: two to three of the shortest length.
@@ -382,7 +383,8 @@ VectorXd DirectionField::left_out_residuals() const {
   for (std::size_t k = 0; k < observations_.size(); ++k) poses[observations_[k].pose].push_back(static_cast<Eigen::Index>(k));
   for (const auto& [pose, members] : poses) {  // of a block of the inverse: what a fit without it leaves
     const MatrixXd block = inverse_(members, members);
-    residuals(members) = block.ldlt().solve(VectorXd(weights_(members)));
+    const VectorXd some = weights_(members), left = block.ldlt().solve(some);
+    for (std::size_t k = 0; k < members.size(); ++k) residuals[members[k]] = left[static_cast<Eigen::Index>(k)];
   }
   return residuals;
 }

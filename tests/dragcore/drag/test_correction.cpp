@@ -58,7 +58,7 @@ TEST_CASE("at a node a correction is its row times density/2 speed^2 area, about
     CHECK((found.force - force).norm() < 1e-6 * force.norm());
     CHECK((found.torque - torque - (surface.centre - point).cross(force)).norm() < 1e-6 * (torque.norm() + force.norm()));
 
-    const Surface twice(meshes::scaled(box, 2.0), Surface::Sides::one);
+    const Surface twice(support::scaled(box, 2.0), Surface::Sides::one);
     const Wrench larger = wrench(twice, {.wind = 3.0 * u, .reference_point = 2.0 * point}, {.density = 2.6}, model)[Term::correction];
     CHECK((larger.force - 2.0 * 9.0 * 4.0 * found.force).norm() < 1e-9 * larger.force.norm());
     CHECK((larger.torque - 2.0 * 9.0 * 8.0 * found.torque).norm() < 1e-9 * larger.torque.norm());
@@ -164,7 +164,7 @@ TEST_CASE("in free flight with spin, a corrected body never gains energy relativ
           REQUIRE(now <= before + 1e-12 * first);  // rounding of the rotations
           before = now;
         }
-        CHECK(before < 0.2 * first);  // and the law's twentieth does brake
+        CHECK(before < 0.5 * first);  // and what is left does brake: 3 s at least
       }
   }
 }
@@ -186,7 +186,7 @@ TEST_CASE("a correction is continuous over direction and fades with spin", "[cor
   }
   const double straight = felt({1, 0.2, 0.1}, Vector3d::Zero()).norm();
   CHECK(felt({1, 0.2, 0.1}, Vector3d(0, 0, 1) * 10.0 / surface.radius).norm() < 0.03 * straight);  // 1/(1 + 100)
-  CHECK(felt(Vector3d::Zero(), Vector3d(0, 0, 3)).norm() == 0.0);
+  CHECK(felt(Vector3d::Zero(), Vector3d(0, 0, 3)).norm() < 1e-20);  // the centre is at rest but for rounding
 }
 
 TEST_CASE("the Jacobian has the correction's slope", "[correction][analytic]") {
