@@ -421,7 +421,8 @@ ResidualFit fit_residual_map(const BodyLoads& body, const std::string& origin) {
                      .errors = {},
                      .force_choice = fit.force_choice.text(),
                      .moment_choice = fit.moment_choice.text(),
-                     .force = fit.force_field};
+                     .force = fit.force_field,
+                     .force_length = fit.force_choice.kernel.length};
   for (std::size_t i = 0; i < body.poses.size(); ++i)
     result.mean_u += body.poses[i].u.head<3>().norm() / table.scale[i] / static_cast<double>(body.poses.size());
 

@@ -94,6 +94,7 @@ struct ResidualFit {
   std::string force_choice, moment_choice;  ///< "correction of the law, length 0.7", "map without the law, ...", "the law alone"
   double mean_u = 0.0;               ///< of the references, unit of PoseErrors::mean_force
   DirectionField force;              ///< of what was chosen
+  double force_length = 0.7;         ///< of its kernel
   const ModelErrors& map() const { return errors.back(); }
 };
 

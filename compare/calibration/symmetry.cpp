@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace compare {
@@ -12,7 +13,9 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr std::size_t most_candidates = 600, most_elements = 240, most_points = 150;
+constexpr std::size_t most_candidates = 600, most_points = 150;
+// Of many-sided bodies a part of the symmetries does as well: the next image is nearer than anything changes.
+constexpr std::size_t most_elements = 100;
 
 double square_distance_to_segment(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
   const Vector3d along = b - a;
@@ -152,6 +155,20 @@ std::vector<Matrix3d> candidates(const Shell& shell) {
   return thinned(list, most_candidates);
 }
 
+bool is_among(const std::vector<Matrix3d>& group, const Matrix3d& g) {
+  return std::any_of(group.begin(), group.end(), [&](const Matrix3d& known) { return (known - g).norm() < 5.0 * symmetry_tolerance; });
+}
+
+/// A group with one element more, and all products of it; given up beyond `most_elements`.
+std::vector<Matrix3d> closed(std::vector<Matrix3d> group, const Matrix3d& more) {
+  group.push_back(more);
+  for (std::size_t i = 0; i < group.size() && group.size() <= most_elements; ++i)
+    for (std::size_t j = 0; j <= i && group.size() <= most_elements; ++j)
+      for (const Matrix3d& product : {Matrix3d(group[i] * group[j]), Matrix3d(group[j] * group[i])})
+        if (!is_among(group, product)) group.push_back(product);
+  return group;
+}
+
 /// The 48 of the cube.
 std::vector<Matrix3d> of_cube() {
   std::vector<Matrix3d> list;
@@ -179,17 +196,14 @@ std::vector<Matrix3d> symmetry_group(const dragcore::TriangleMesh& mesh) {
   const bool ball = shell.vertices.size() > 60 && nearest->norm() > 0.99 * farthest->norm() &&
                     std::all_of(shell.balls.begin(), shell.balls.end(), [](const auto& ball) { return ball.first.norm() > 0.95; });
   if (ball) return of_cube();
-  const auto is_known = [&](const Matrix3d& g) {
-    return std::any_of(group.begin(), group.end(), [&](const Matrix3d& known) { return (known - g).norm() < 5.0 * symmetry_tolerance; });
-  };
+  std::vector<Matrix3d> found;
   for (const Matrix3d& g : candidates(shell))
-    if (!is_known(g) && shell.is_mapped_onto_itself_by(g)) group.push_back(g);
-  // Where not all were tried, products of those that were found are symmetries, too.
-  for (std::size_t i = 0; i < group.size(); ++i)
-    for (std::size_t j = 0; j < group.size(); ++j) {
-      if (group.size() > most_elements) return {Matrix3d::Identity()};  // as round as this and no ball: nothing is sure
-      if (const Matrix3d product = group[i] * group[j]; !is_known(product)) group.push_back(product);
-    }
+    if (!is_among(found, g) && shell.is_mapped_onto_itself_by(g)) found.push_back(g);
+  // Mirrors and half turns first: with them directions in a plane stay in it.
+  std::stable_partition(found.begin(), found.end(), [](const Matrix3d& g) { return (g - g.transpose()).norm() < 5.0 * symmetry_tolerance; });
+  for (const Matrix3d& g : found)
+    if (!is_among(group, g))
+      if (std::vector<Matrix3d> larger = closed(group, g); larger.size() <= most_elements) group = std::move(larger);
   return group;
 }
 
