@@ -56,12 +56,6 @@ Channels coefficients_of(const BodyLoads& body, const dragcore::Model& model, co
   return (Channels() << w.force, w.torque / surface.radius).finished();
 }
 
-dragcore::Model class_model(const Surface& surface) {
-  dragcore::Model model = dragcore::model_for(surface);
-  model.precision = dragcore::Precision::full;
-  return model;
-}
-
 dragcore::Model with_pillow(dragcore::Model model, double factor) {
   model.pillow.factor = factor;
   if (model.sheets) model.sheets->pillow.factor = factor;
@@ -132,7 +126,7 @@ struct LawTable {
   std::vector<int> orbit;
 
   explicit LawTable(const BodyLoads& body) : scale(scales(body.poses)), orbit(orbits(body)) {
-    const dragcore::Model law = class_model(*body.surface);
+    const dragcore::Model law = dragcore::model_for(*body.surface);
     for (int k = 0; k < kappas; ++k) at.push_back(predicted_by(body, body.poses, with_pillow(law, k * kappa_step)));
   }
 
@@ -276,7 +270,7 @@ struct SubsetFit {
   DirectionField force_field, moment_field;
 
   SubsetFit(const BodyLoads& body, const LawTable& table, const std::vector<std::size_t>& subset)
-      : kappa(best_kappa(body, table, subset).value_or(class_model(*body.surface).pillow.factor)),
+      : kappa(best_kappa(body, table, subset).value_or(dragcore::model_for(*body.surface).pillow.factor)),
         force{body, table, 0, subset, kappa},
         moment{body, table, 3, subset, kappa},
         force_choice(best_choice(force)),
@@ -402,7 +396,7 @@ ResidualFit fit_residual_map(const BodyLoads& body, const std::string& origin) {
   const SubsetFit fit(body, table, all_but(table, -1));
 
   auto correction = std::make_shared<dragcore::Correction>();
-  const dragcore::Model law = class_model(surface);
+  const dragcore::Model law = dragcore::model_for(surface);
   dragcore::Model model = with_pillow(law, fit.kappa);
   correction->map = dragcore::DirectionMap::zero(map_frequency, 1);
   for (int node = 0; node < correction->map.nodes(); ++node) {
@@ -439,7 +433,6 @@ ResidualFit fit_residual_map(const BodyLoads& body, const std::string& origin) {
                    {"class law", seen(law), std::nullopt},
                    {"class law, pillow fitted", seen(with_pillow(law, fit.kappa)), errors_of(body, body.poses, table.scale, pillow_unseen)},
                    {"residual map", seen(model), errors_of(body, body.poses, table.scale, map_unseen)}};
-  result.model.precision = dragcore::Precision::single;
   return result;
 }
 

@@ -59,7 +59,7 @@ void print_table(const compare::ResidualFit& fit) {
     if (model.unseen) print_row("  each pose left out", *model.unseen);
   }
   fmt::print(
-      "Of the larger of the force and 0.3 of the mean force; moments about the centroid of the area also over L_ref. u of the references: {} % "
+      "Of the larger of the force and 0.3 of the mean force; moments about the centroid of the area also over L_ref. u of the references, without that of the method: {} % "
       "in the mean.\nForce: {}. Moment: {}.\n",
       percent(fit.mean_u), fit.force_choice, fit.moment_choice);
   if (!fit.pillow) {
@@ -136,11 +136,12 @@ void print_learning(const compare::BodyLoads& body) {
   }
 }
 
+/// With u of mesh, iteration and statistics: that of the method is common to all poses, and no scatter between them.
 Records usable(const std::vector<CaseRecord>& records, const std::function<bool(const compare::CaseOfRecord&)>& wanted) {
   Records list;
   for (const compare::CaseOfRecord& one : compare::cases_of_record(records))
     if (case_record::is_usable(one.family.record->status) && one.family.record->known[0] && !one.family.record->spins() && wanted(one))
-      list.emplace_back(*one.family.record, one.family.uncertainty.total);
+      list.emplace_back(*one.family.record, one.family.uncertainty.numerical);
   return list;
 }
 

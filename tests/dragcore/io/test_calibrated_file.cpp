@@ -1,3 +1,5 @@
+#include <dragcore/dragcore_calibrated_file.h>
+
 #include <catch2/catch.hpp>
 #include <dragcore/calibrated_file.hpp>
 #include <fstream>
@@ -50,6 +52,31 @@ TEST_CASE("a calibrated model read again is the one that was written, and gives 
     const Motion motion{.wind = {3, 1, 2}, .angular_velocity = {1, 0, 0}};
     CHECK(wrench(surface, motion, {}, read.model).total().force == wrench(surface, motion, {}, made.model).total().force);
   }
+}
+
+TEST_CASE("the C interface reads a calibrated model, which feels what it does in C++", "[calibrated_file]") {
+  const support::Folder folder;
+  const CalibratedModel made = sample();
+  const std::string file = (folder.path / "body.h5").string();
+  write_calibrated(file, made);
+  dragcore_model model;
+  dragcore_correction* correction = nullptr;
+  REQUIRE(dragcore_calibrated_read(file.c_str(), &model, &correction) == DRAGCORE_OK);
+  CHECK(model.correction == correction);
+  const TriangleMesh mesh = triangulate(Cone{}, 4);
+  dragcore_surface* surface = nullptr;
+  REQUIRE(dragcore_surface_create(mesh.vertices[0].data(), mesh.vertices.size(), mesh.triangles[0].data(), mesh.triangles.size(), DRAGCORE_ONE_SIDED,
+                                  &surface) == DRAGCORE_OK);
+  dragcore_motion motion{};
+  motion.wind[0] = 3.0, motion.wind[1] = 1.0;
+  dragcore_wrench found;
+  REQUIRE(dragcore_evaluate(surface, &motion, 1.2, &model, &found) == DRAGCORE_OK);
+  const Wrench expected = wrench(zoo::surface(Cone{}, 4), {.wind = {3, 1, 0}}, {.density = 1.2}, made.model).total();
+  for (int k = 0; k < 3; ++k) CHECK(found.force[k] == expected.force[k]);
+  dragcore_surface_destroy(surface);
+  dragcore_correction_destroy(correction);
+  CHECK(dragcore_calibrated_read("none.h5", &model, &correction) == DRAGCORE_FAILED);
+  CHECK(correction == nullptr);
 }
 
 TEST_CASE("files that are no calibrated model, damaged or of another version are refused with their name", "[calibrated_file]") {
