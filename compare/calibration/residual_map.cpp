@@ -97,7 +97,6 @@ using Predicted = std::vector<Channels>;
 
 PoseErrors errors_of(const BodyLoads& body, const std::vector<PoseLoad>& poses, const std::vector<double>& scale, const Predicted& predicted) {
   PoseErrors errors;
-  int moments = 0;
   const double arm = body.surface->radius / body.reference_length;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const Channels off = predicted[i] - poses[i].load;
@@ -105,10 +104,10 @@ PoseErrors errors_of(const BodyLoads& body, const std::vector<PoseLoad>& poses, 
     // A pose whose whole force nobody knows has a drag to be wrong by.
     add((knows(poses[i], 0) ? off.head<3>().norm() : std::abs(off[0])) / scale[i], errors.mean_force, errors.worst_force);
     add(std::abs(off[0]) / scale[i], errors.mean_drag, errors.worst_drag);
-    if (knows(poses[i], 3)) add(arm * off.tail<3>().norm() / scale[i], errors.mean_moment, errors.worst_moment), ++moments;
+    if (knows(poses[i], 3)) add(arm * off.tail<3>().norm() / scale[i], errors.mean_moment, errors.worst_moment), ++errors.moments;
   }
   errors.poses = static_cast<int>(poses.size());
-  errors.mean_force /= std::max(1, errors.poses), errors.mean_drag /= std::max(1, errors.poses), errors.mean_moment /= std::max(1, moments);
+  errors.mean_force /= std::max(1, errors.poses), errors.mean_drag /= std::max(1, errors.poses), errors.mean_moment /= std::max(1, errors.moments);
   return errors;
 }
 
@@ -144,15 +143,14 @@ struct LawTable {
 /// Least squares of the moments over some poses, by a parabola through the best of the table. Empty without moments.
 std::optional<double> best_kappa(const BodyLoads& body, const LawTable& table, const std::vector<std::size_t>& subset) {
   std::array<double, kappas> sum{};
-  bool any = false;
   for (const std::size_t i : subset) {
     if (!knows(body.poses[i], 3)) continue;
-    any = true;
     for (std::size_t k = 0; k < kappas; ++k)
       sum[k] += (table.at[k][i] - body.poses[i].load).tail<3>().squaredNorm() / (table.scale[i] * table.scale[i]);
   }
-  if (!any) return std::nullopt;
-  const auto best = static_cast<std::size_t>(std::min_element(sum.begin(), sum.end()) - sum.begin());
+  const auto [lowest, highest] = std::minmax_element(sum.begin(), sum.end());
+  if (!(*highest - *lowest > 1e-9)) return std::nullopt;  // no moments, or of poses where symmetry makes them 0
+  const auto best = static_cast<std::size_t>(lowest - sum.begin());
   double shift = 0.0;
   if (best > 0 && best + 1 < kappas) {
     const double bend = sum[best - 1] - 2.0 * sum[best] + sum[best + 1];
@@ -481,6 +479,7 @@ dragcore::Pose pose_towards(const Vector3d& direction, const std::vector<Matrix3
   constexpr double pi = std::numbers::pi;
   double incidence = std::asin(std::clamp(-to_wind(2, 0), -1.0, 1.0)), yaw = std::atan2(to_wind(1, 0), to_wind(0, 0)),
          roll = std::atan2(to_wind(2, 1), to_wind(2, 2));
+  if (std::hypot(to_wind(0, 0), to_wind(1, 0)) < 1e-6) yaw = 0.0, roll = std::atan2(-to_wind(1, 2), to_wind(1, 1));  // only their sum is defined
   // The same by incidence beyond a right angle, where that leaves less to the other two.
   if (std::abs(yaw) + std::abs(roll) > pi) {
     incidence = (incidence < 0.0 ? -pi : pi) - incidence;

@@ -78,7 +78,7 @@ class DirectionField {
 /// also over reference_length), and of C_D alone over the same.
 struct PoseErrors {
   double mean_force = 0.0, worst_force = 0.0, mean_drag = 0.0, worst_drag = 0.0, mean_moment = 0.0, worst_moment = 0.0;
-  int poses = 0;
+  int poses = 0, moments = 0;  ///< over so many; so many of them know their moment
 };
 
 struct ModelErrors {
@@ -89,7 +89,7 @@ struct ModelErrors {
 
 struct ResidualFit {
   dragcore::Model model;             ///< the law by class, its pillow, and the correction
-  std::optional<Estimate> pillow;    ///< factor of the tilt form from this body's moments; empty where none are known
+  std::optional<Estimate> pillow;    ///< factor of the tilt form from this body's moments; empty where no moment tells
   std::vector<ModelErrors> errors;   ///< note's law, class law, class law with fitted pillow, residual map
   std::string force_choice, moment_choice;  ///< "correction of the law, length 0.7", "map without the law, ...", "the law alone"
   double mean_u = 0.0;               ///< of the references, unit of PoseErrors::mean_force

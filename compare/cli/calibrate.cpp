@@ -142,6 +142,7 @@ void add_calibrate(CLI::App& app, Context& context) {
   command->add_option("--length", body.length, "L_ref of the mesh [m] (default: the root of the area)")->check(CLI::PositiveNumber);
   command->add_option("--levels", body.levels, "Meshes of every pose; from two on the error of the mesh is in u")->capture_default_str();
   command->add_option("-j,--jobs", body.jobs, "Cases side by side")->check(CLI::Range(1, 1000));
+  command->add_flag("--retry-failed", body.retry_failed, "Solve cases that failed, diverged or drifted once more");
   command->add_flag("--dry-run", body.dry_run, "Say what would be solved and what it would cost, and end");
   command->callback([options, &context] {
     if (options->body.wanted()) {

@@ -44,8 +44,8 @@ std::atomic<bool> stop_calibration = false;
 std::string percent(double share) { return fmt::format("{:5.1f}", 100.0 * share); }
 
 void print_row(const std::string& name, const compare::PoseErrors& e) {
-  fmt::print("  {:<34} {} {}   {} {}   {} {}\n", name, percent(e.mean_force), percent(e.worst_force), percent(e.mean_drag), percent(e.worst_drag),
-             percent(e.mean_moment), percent(e.worst_moment));
+  const std::string moment = e.moments > 0 ? percent(e.mean_moment) + " " + percent(e.worst_moment) : "    -     -";
+  fmt::print("  {:<40} {} {}   {} {}   {}\n", name, percent(e.mean_force), percent(e.worst_force), percent(e.mean_drag), percent(e.worst_drag), moment);
 }
 
 std::string degrees_text(const dragcore::Pose& pose) {
@@ -53,7 +53,7 @@ std::string degrees_text(const dragcore::Pose& pose) {
 }
 
 void print_table(const compare::ResidualFit& fit) {
-  fmt::print("\nErrors in %            mean and worst of  force         C_D           moment\n");
+  fmt::print("\nErrors in %, mean and worst                  force         C_D           moment\n");
   for (const compare::ModelErrors& model : fit.errors) {
     print_row(model.model + ", these poses", model.seen);
     if (model.unseen) print_row("  each pose left out", *model.unseen);
@@ -63,7 +63,7 @@ void print_table(const compare::ResidualFit& fit) {
       "in the mean.\nForce: {}. Moment: {}.\n",
       percent(fit.mean_u), fit.force_choice, fit.moment_choice);
   if (!fit.pillow) {
-    fmt::print("Pillow factor: that of the class; no moment is known.\n");
+    fmt::print("Pillow factor: that of the class; no moment tells.\n");
   } else {
     fmt::print("Pillow factor of this body: {:.2f}, {}\n", fit.pillow->value,
                fit.pillow->interval ? fmt::format("95 % interval {:.2f} to {:.2f}", fit.pillow->interval->first, fit.pillow->interval->second)
@@ -267,7 +267,7 @@ void calibrate_mesh(const BodyCalibration& wanted, Context& context) {
   const std::vector<Eigen::Matrix3d> group = group_of(body);
   PoseMatrix matrix(wanted, body);
   const auto missing = [&](const std::vector<cfd_cases::PlannedCase>& cases) {
-    return std::count_if(cases.begin(), cases.end(), [](const auto& one) { return one.to_solve(false); });
+    return std::count_if(cases.begin(), cases.end(), [&](const auto& one) { return one.to_solve(wanted.retry_failed); });
   };
   // More poses only when those that were planned are solved: a command that was interrupted and is given again goes on.
   const int known = static_cast<int>(matrix.directions.size());
@@ -294,7 +294,7 @@ void calibrate_mesh(const BodyCalibration& wanted, Context& context) {
     std::fflush(stdout);
     std::signal(SIGINT, [](int) { stop_calibration = true; });
     std::signal(SIGTERM, [](int) { stop_calibration = true; });
-    const auto result = cfd_cases::run_campaign(cases, tools, {wanted.cache}, run_store(), {.jobs = wanted.jobs}, stop_calibration);
+    const auto result = cfd_cases::run_campaign(cases, tools, {wanted.cache}, run_store(), {.jobs = wanted.jobs, .retry_failed = wanted.retry_failed}, stop_calibration);
     for (const CaseRecord& record : result.unusable)
       fmt::print(stderr, "{}: {}, {}: left out\n", record.name, case_record::to_string(record.status), record.reason);
     if (result.interrupted) {

@@ -18,6 +18,7 @@ struct BodyCalibration {
   std::string levels = "coarse,medium";
   std::string cache = ".dragval";
   int jobs = 1;
+  bool retry_failed = false;
   bool dry_run = false;
   std::string write;  ///< file for the calibrated model; empty: none
 

@@ -130,6 +130,20 @@ TEST_CASE("drag alone is enough for a map of drag; two poses are not; a table of
   CHECK(twice.mean_force > 0.7 * once.mean_force);
 }
 
+TEST_CASE("a pose has the wind along any direction of the body, edges where incidence is 90 degrees among them", "[residual_map][analytic]") {
+  const std::vector<Matrix3d> cube = symmetry_group(dragcore::triangulate(dragcore::Box{1, 1, 1}, 1));
+  for (int x = -1; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
+      for (int z = -1; z <= 1; ++z) {
+        if (x == 0 && y == 0 && z == 0) continue;
+        const Vector3d direction = Vector3d(x, y, z).normalized();
+        for (const auto& group : {cube, std::vector<Matrix3d>{Matrix3d::Identity()}}) {
+          const Matrix3d rotation = pose_towards(direction, group).rotation();
+          CHECK((rotation.row(0).transpose() - direction).norm() < 0.002);  // tenths of a degree
+        }
+      }
+}
+
 TEST_CASE("planned poses are spread over all directions modulo symmetry, on mirror planes where near, and go on from those known",
           "[residual_map][analytic]") {
   const Truth truth;
@@ -146,6 +160,7 @@ TEST_CASE("planned poses are spread over all directions modulo symmetry, on mirr
     // A pose says the same in tenths of a degree.
     const Matrix3d rotation = pose_towards(list[i], truth.group).rotation();
     CHECK((rotation.row(0).transpose() - list[i]).norm() < 0.003);
+    CHECK((rotation.row(0).transpose() - pose_towards(list[i], {Matrix3d::Identity()}).rotation().row(0).transpose()).norm() < 0.005);
     CHECK((rotation * rotation.transpose() - Matrix3d::Identity()).norm() < 1e-12);
   }
 }
