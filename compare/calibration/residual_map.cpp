@@ -456,9 +456,14 @@ std::vector<Vector3d> next_directions(const std::vector<Vector3d>& known, const 
     double largest = -1.0;
     for (const Vector3d& direction : candidates)
       if (const double spread = field.spread(direction); spread > largest * (1.0 + 1e-9)) largest = spread, best = direction;
-    if (among.empty())
-      for (const Vector3d& normal : mirrors)
-        if (const Vector3d in_plane = best - normal * normal.dot(best); std::abs(normal.dot(best)) < near) best = in_plane.normalized();
+    Vector3d upright = best;
+    for (const Vector3d& normal : mirrors)
+      if (const Vector3d in_plane = upright - normal * normal.dot(upright); std::abs(normal.dot(upright)) < near) upright = in_plane.normalized();
+    // Not onto a pose that is known: many planes meet on an axis.
+    const bool taken = std::any_of(seen.begin(), seen.end(), [&](const Vector3d& other) {
+      return std::any_of(group.begin(), group.end(), [&](const Matrix3d& g) { return (g * other - upright).norm() < near; });
+    });
+    if (among.empty() && !taken) best = upright;
     seen.push_back(best), found.push_back(best);
   }
   return found;

@@ -144,6 +144,14 @@ TEST_CASE("a pose has the wind along any direction of the body, edges where inci
       }
 }
 
+TEST_CASE("poses planned for a body of many mirror planes are all different", "[residual_map][limit]") {
+  const std::vector<Matrix3d> group = symmetry_group(dragcore::triangulate(dragcore::Cone{}, 8));
+  const std::vector<Vector3d> list = next_directions({}, group, 0.7, 12);
+  for (std::size_t i = 0; i < list.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      for (const Matrix3d& g : group) CHECK((list[i] - g * list[j]).norm() > 0.03);  // 2 degrees: twelve are many for half a circle
+}
+
 TEST_CASE("planned poses are spread over all directions modulo symmetry, on mirror planes where near, and go on from those known",
           "[residual_map][analytic]") {
   const Truth truth;
