@@ -9,7 +9,9 @@ namespace dragcore {
 
 /// Whether a model has a correction and lets it be felt.
 inline bool is_corrected(const Model& model) {
-  return instrument::built(Effect::correction) && model.correction && model.effects.has(Effect::correction);
+  const bool felt = instrument::built(Effect::correction) && model.correction && model.effects.has(Effect::correction);
+  if (felt) instrument::count(Effect::correction);  // here, where it is asked for: what follows is in a file of its own
+  return felt;
 }
 
 /// A correction in one motion: eq. 18, before its share.

@@ -49,7 +49,6 @@ void check_correction(const Correction& correction, const Surface& surface, cons
 
 CorrectedFlow::CorrectedFlow(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model)
     : arm_(surface.centre - motion.reference_point) {
-  instrument::count(Effect::correction);
   const RelativeFlow flow(surface, motion, ActiveEffects(motion, model));
   u_.setZero();
   for (std::size_t p = 0; p < surface.parts.size(); ++p)
