@@ -41,7 +41,7 @@ TEST_CASE("the symmetries of a mesh are those of its body, however it stands and
   for (const Body& body : {Body{"cube", Box{1, 1, 1}, 1, 48, 9}, Body{"cube, cut finer", Box{1, 1, 1}, 3, 48, 9}, Body{"box", Box{3, 2, 1}, 2, 8, 3},
                            Body{"square box", Box{2, 1, 1}, 2, 16, 5}, Body{"square plate", Plate{1, 1, 0.05}, 2, 16, 5},
                            Body{"square sheet", Plate{1, 1, 0.0}, 2, 16, 5}, Body{"cone, 16 sides", Cone{}, 4, 32, 16},
-                           Body{"cylinder, 16 sides", Cylinder{}, 4, 64, 17}, Body{"prism", Prism{}, 2, 4, 2}}) {
+                           Body{"cylinder, 16 sides", Cylinder{}, 4, 64, 17}, Body{"prism of equal sides", Prism{}, 2, 12, 4}}) {
     INFO(body.name);
     for (const bool moved : {false, true}) {
       const TriangleMesh mesh = triangulate(body.shape, body.divisions);
