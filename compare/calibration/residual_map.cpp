@@ -32,8 +32,8 @@ constexpr std::array lengths{0.35, 0.5, 0.7, 1.0, 1.4};
 constexpr std::array sizes{0.5, 1.0, 2.0};  // of what is left by the prior, rms
 /// Of the force: what poses scatter by beside their u. At Re 1e5 steady RANS does by 3 to 6 %, at Re 100 not.
 constexpr std::array scatters{0.01, 0.04};
-/// A map must leave less than this share of the law's error. Of few poses some map always looks a little better: on the stored cone at Re 100
-/// that cost up to 27 % in the poses left, and none of the larger gains is lost by it (dragval calibrate --stored).
+/// A map must leave less than this share of the law's error. Of few poses some map always looks a little better: on the stored cone at Re
+/// 100 that cost up to 27 % in the poses left, and none of the larger gains is lost by it (dragval calibrate --stored).
 constexpr double least_gain = 0.8;
 constexpr double kappa_step = 0.05;
 constexpr int kappas = 31;  // 0 to 1.5
@@ -95,7 +95,8 @@ std::vector<double> scales(const std::vector<PoseLoad>& poses) {
 /// What is predicted of every pose, wind frame.
 using Predicted = std::vector<Channels>;
 
-PoseErrors errors_of(const BodyLoads& body, const std::vector<PoseLoad>& poses, const std::vector<double>& scale, const Predicted& predicted) {
+PoseErrors errors_of(const BodyLoads& body, const std::vector<PoseLoad>& poses, const std::vector<double>& scale,
+                     const Predicted& predicted) {
   PoseErrors errors;
   const double arm = body.surface->radius / body.reference_length;
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -107,7 +108,8 @@ PoseErrors errors_of(const BodyLoads& body, const std::vector<PoseLoad>& poses, 
     if (knows(poses[i], 3)) add(arm * off.tail<3>().norm() / scale[i], errors.mean_moment, errors.worst_moment), ++errors.moments;
   }
   errors.poses = static_cast<int>(poses.size());
-  errors.mean_force /= std::max(1, errors.poses), errors.mean_drag /= std::max(1, errors.poses), errors.mean_moment /= std::max(1, errors.moments);
+  errors.mean_force /= std::max(1, errors.poses), errors.mean_drag /= std::max(1, errors.poses),
+      errors.mean_moment /= std::max(1, errors.moments);
   return errors;
 }
 
@@ -182,8 +184,8 @@ std::optional<Estimate> fitted_pillow(const BodyLoads& body, const LawTable& tab
 
 /// What may be chosen for force or moment.
 struct Choice {
-  bool law = true;              ///< the prior; else the mean drag along the wind (of a moment: nothing)
-  bool corrected = false;       ///< else the prior alone
+  bool law = true;         ///< the prior; else the mean drag along the wind (of a moment: nothing)
+  bool corrected = false;  ///< else the prior alone
   DirectionField::Kernel kernel{};
   double scatter = scatters[0];
 
@@ -313,7 +315,8 @@ std::vector<std::size_t> all_but(const LawTable& table, int orbit) {
 
 }  // namespace
 
-BodyLoads body_loads(const Surface& surface, const std::vector<Matrix3d>& group, const std::vector<std::pair<CaseRecord, Channels>>& records) {
+BodyLoads body_loads(const Surface& surface, const std::vector<Matrix3d>& group,
+                     const std::vector<std::pair<CaseRecord, Channels>>& records) {
   if (records.empty()) throw std::invalid_argument("calibrate: no usable case of this body; solve some first");
   BodyLoads body{.surface = &surface,
                  .group = group,
@@ -396,7 +399,8 @@ PoseErrors pose_errors(const BodyLoads& body, const std::vector<PoseLoad>& poses
 ResidualFit fit_residual_map(const BodyLoads& body, const std::string& origin) {
   const auto whole = std::count_if(body.poses.begin(), body.poses.end(), [](const PoseLoad& pose) { return knows(pose, 0); });
   if (whole < 3)
-    throw std::invalid_argument(fmt::format("calibrate: {} poses know their whole force, but at least 3 are needed; solve or measure more", whole));
+    throw std::invalid_argument(
+        fmt::format("calibrate: {} poses know their whole force, but at least 3 are needed; solve or measure more", whole));
   const Surface& surface = *body.surface;
   const LawTable table(body);
   const SubsetFit fit(body, table, all_but(table, -1));
@@ -458,7 +462,8 @@ std::vector<Vector3d> next_directions(const std::vector<Vector3d>& known, const 
       if (const double spread = field.spread(direction); spread > largest * (1.0 + 1e-9)) largest = spread, best = direction;
     Vector3d upright = best;
     for (const Vector3d& normal : mirrors)
-      if (const Vector3d in_plane = upright - normal * normal.dot(upright); std::abs(normal.dot(upright)) < near) upright = in_plane.normalized();
+      if (const Vector3d in_plane = upright - normal * normal.dot(upright); std::abs(normal.dot(upright)) < near)
+        upright = in_plane.normalized();
     // Not onto a pose that is known: many planes meet on an axis.
     const bool taken = std::any_of(seen.begin(), seen.end(), [&](const Vector3d& other) {
       return std::any_of(group.begin(), group.end(), [&](const Matrix3d& g) { return (g * other - upright).norm() < near; });
@@ -484,7 +489,8 @@ dragcore::Pose pose_towards(const Vector3d& direction, const std::vector<Matrix3
   constexpr double pi = std::numbers::pi;
   double incidence = std::asin(std::clamp(-to_wind(2, 0), -1.0, 1.0)), yaw = std::atan2(to_wind(1, 0), to_wind(0, 0)),
          roll = std::atan2(to_wind(2, 1), to_wind(2, 2));
-  if (std::hypot(to_wind(0, 0), to_wind(1, 0)) < 1e-6) yaw = 0.0, roll = std::atan2(-to_wind(1, 2), to_wind(1, 1));  // only their sum is defined
+  if (std::hypot(to_wind(0, 0), to_wind(1, 0)) < 1e-6)
+    yaw = 0.0, roll = std::atan2(-to_wind(1, 2), to_wind(1, 1));  // only their sum is defined
   // The same by incidence beyond a right angle, where that leaves less to the other two.
   if (std::abs(yaw) + std::abs(roll) > pi) {
     incidence = (incidence < 0.0 ? -pi : pi) - incidence;

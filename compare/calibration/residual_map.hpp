@@ -11,12 +11,12 @@
 
 namespace compare {
 
-/// Force and moment of one body in one pose, in coefficients of the surface: over density/2 speed^2 total_area, moments also over radius and
-/// about Surface::centre.
+/// Force and moment of one body in one pose, in coefficients of the surface: over density/2 speed^2 total_area, moments also over radius
+/// and about Surface::centre.
 struct PoseLoad {
   using Channels = case_record::CaseRecord::Channels;
   std::string name;
-  Eigen::Matrix3d to_wind = Eigen::Matrix3d::Identity();  ///< from the body's frame; the wind blows along +x of the wind frame
+  Eigen::Matrix3d to_wind = Eigen::Matrix3d::Identity();   ///< from the body's frame; the wind blows along +x of the wind frame
   Channels load = Channels::Zero(), u = Channels::Zero();  ///< wind frame, with standard uncertainty
   std::array<bool, 6> known{};
 
@@ -41,8 +41,8 @@ BodyLoads body_loads(const dragcore::Surface& surface, const std::vector<Eigen::
 ///
 ///   K(d, d') = a^2/c sum_g exp(-(1 - d . g d')/l^2) rho(g),    rho(g) = g for forces, det(g) g for torques
 ///
-/// over the symmetry group, with c such that a is its standard deviation. Every sample of it has the symmetry exactly: f(g d) = rho(g) f(d),
-/// so that poses count as often as the body is symmetric, and what symmetry says is zero is.
+/// over the symmetry group, with c such that a is its standard deviation. Every sample of it has the symmetry exactly: f(g d) = rho(g)
+/// f(d), so that poses count as often as the body is symmetric, and what symmetry says is zero is.
 class DirectionField {
  public:
   struct Observation {
@@ -83,18 +83,18 @@ struct PoseErrors {
 
 struct ModelErrors {
   std::string model;
-  PoseErrors seen;                 ///< over the poses that were fitted to
+  PoseErrors seen;                   ///< over the poses that were fitted to
   std::optional<PoseErrors> unseen;  ///< each pose by a fit, choices included, that has not seen it; empty of what was not fitted
 };
 
 struct ResidualFit {
-  dragcore::Model model;             ///< the law by class, its pillow, and the correction
-  std::optional<Estimate> pillow;    ///< factor of the tilt form from this body's moments; empty where no moment tells
-  std::vector<ModelErrors> errors;   ///< note's law, class law, class law with fitted pillow, residual map
+  dragcore::Model model;                    ///< the law by class, its pillow, and the correction
+  std::optional<Estimate> pillow;           ///< factor of the tilt form from this body's moments; empty where no moment tells
+  std::vector<ModelErrors> errors;          ///< note's law, class law, class law with fitted pillow, residual map
   std::string force_choice, moment_choice;  ///< "correction of the law, length 0.7", "map without the law, ...", "the law alone"
-  double mean_u = 0.0;               ///< of the references, unit of PoseErrors::mean_force
-  DirectionField force;              ///< of what was chosen
-  double force_length = 0.7;         ///< of its kernel
+  double mean_u = 0.0;                      ///< of the references, unit of PoseErrors::mean_force
+  DirectionField force;                     ///< of what was chosen
+  double force_length = 0.7;                ///< of its kernel
   const ModelErrors& map() const { return errors.back(); }
 };
 
@@ -107,8 +107,8 @@ ResidualFit fit_residual_map(const BodyLoads& body, const std::string& origin);
 /// Errors of a model on poses.
 PoseErrors pose_errors(const BodyLoads& body, const std::vector<PoseLoad>& poses, const dragcore::Model& model);
 
-/// Poses where a field is least sure, one after the other, given those that are known: spread over all directions, modulo symmetry. Within 10
-/// degrees of a mirror plane they are put on it, where a CFD case needs half of the cells.
+/// Poses where a field is least sure, one after the other, given those that are known: spread over all directions, modulo symmetry. Within
+/// 10 degrees of a mirror plane they are put on it, where a CFD case needs half of the cells.
 /// @param among  where not empty, chosen from these alone
 std::vector<Eigen::Vector3d> next_directions(const std::vector<Eigen::Vector3d>& known, const std::vector<Eigen::Matrix3d>& group,
                                              double length, int count, const std::vector<Eigen::Vector3d>& among = {});

@@ -30,15 +30,16 @@ double distance_to_triangle(const Vector3d& p, const Vector3d& a, const Vector3d
     const auto inside = [&](const Vector3d& from, const Vector3d& to) { return normal.dot((to - from).cross(p - from)) >= 0.0; };
     if (inside(a, b) && inside(b, c) && inside(c, a)) return std::abs(normal.dot(p - a)) / size;
   }
-  return std::sqrt(std::min({square_distance_to_segment(p, a, b), square_distance_to_segment(p, b, c), square_distance_to_segment(p, c, a)}));
+  return std::sqrt(
+      std::min({square_distance_to_segment(p, a, b), square_distance_to_segment(p, b, c), square_distance_to_segment(p, c, a)}));
 }
 
 /// Vertices about the centroid of the area, in units of the distance of the farthest.
 struct Shell {
   std::vector<Vector3d> vertices;
   std::vector<Eigen::Vector3i> triangles;
-  Matrix3d second_moment = Matrix3d::Zero();  ///< of the area
-  std::vector<Vector3d> points;               ///< to be found on the surface again
+  Matrix3d second_moment = Matrix3d::Zero();       ///< of the area
+  std::vector<Vector3d> points;                    ///< to be found on the surface again
   std::vector<std::pair<Vector3d, double>> balls;  ///< around every triangle
 
   explicit Shell(const dragcore::TriangleMesh& given) {
@@ -59,7 +60,8 @@ struct Shell {
       all.push_back(middle);
       balls.emplace_back(middle, std::max({(a - middle).norm(), (b - middle).norm(), (c - middle).norm()}));
     }
-    for (std::size_t k = 0; k < std::min(all.size(), most_points); ++k) points.push_back(all[k * all.size() / std::min(all.size(), most_points)]);
+    for (std::size_t k = 0; k < std::min(all.size(), most_points); ++k)
+      points.push_back(all[k * all.size() / std::min(all.size(), most_points)]);
   }
 
   bool is_mapped_onto_itself_by(const Matrix3d& g) const {
@@ -149,7 +151,8 @@ std::vector<Matrix3d> candidates(const Shell& shell) {
     if (std::abs(a.norm() - first.norm()) > same) continue;
     for (const Vector3d& b : thinned(shell.vertices, 200)) {
       if (std::abs(b.norm() - second.norm()) > same || std::abs(a.dot(b) - first.dot(second)) > same) continue;
-      for (const double mirrored : {1.0, -1.0}) list.push_back(frame_of(a, b) * Vector3d(1.0, 1.0, mirrored).asDiagonal() * from.transpose());
+      for (const double mirrored : {1.0, -1.0})
+        list.push_back(frame_of(a, b) * Vector3d(1.0, 1.0, mirrored).asDiagonal() * from.transpose());
     }
   }
   return thinned(list, most_candidates);
@@ -189,9 +192,8 @@ std::vector<Matrix3d> symmetry_group(const dragcore::TriangleMesh& mesh) {
   const Shell shell(mesh);
   std::vector<Matrix3d> group{Matrix3d::Identity()};
   if (shell.points.empty()) return group;
-  const auto [nearest, farthest] = std::minmax_element(shell.vertices.begin(), shell.vertices.end(), [](const Vector3d& a, const Vector3d& b) {
-    return a.squaredNorm() < b.squaredNorm();
-  });
+  const auto [nearest, farthest] = std::minmax_element(
+      shell.vertices.begin(), shell.vertices.end(), [](const Vector3d& a, const Vector3d& b) { return a.squaredNorm() < b.squaredNorm(); });
   // Facets of a ball are nearer than its corners by the square of their size: a cube of eight corners is none.
   const bool ball = shell.vertices.size() > 60 && nearest->norm() > 0.99 * farthest->norm() &&
                     std::all_of(shell.balls.begin(), shell.balls.end(), [](const auto& ball) { return ball.first.norm() > 0.95; });
@@ -200,7 +202,8 @@ std::vector<Matrix3d> symmetry_group(const dragcore::TriangleMesh& mesh) {
   for (const Matrix3d& g : candidates(shell))
     if (!is_among(found, g) && shell.is_mapped_onto_itself_by(g)) found.push_back(g);
   // Mirrors and half turns first: with them directions in a plane stay in it.
-  std::stable_partition(found.begin(), found.end(), [](const Matrix3d& g) { return (g - g.transpose()).norm() < 5.0 * symmetry_tolerance; });
+  std::stable_partition(found.begin(), found.end(),
+                        [](const Matrix3d& g) { return (g - g.transpose()).norm() < 5.0 * symmetry_tolerance; });
   for (const Matrix3d& g : found)
     if (!is_among(group, g))
       if (std::vector<Matrix3d> larger = closed(group, g); larger.size() <= most_elements) group = std::move(larger);

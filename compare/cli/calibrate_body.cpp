@@ -45,7 +45,8 @@ std::string percent(double share) { return fmt::format("{:5.1f}", 100.0 * share)
 
 void print_row(const std::string& name, const compare::PoseErrors& e) {
   const std::string moment = e.moments > 0 ? percent(e.mean_moment) + " " + percent(e.worst_moment) : "    -     -";
-  fmt::print("  {:<40} {} {}   {} {}   {}\n", name, percent(e.mean_force), percent(e.worst_force), percent(e.mean_drag), percent(e.worst_drag), moment);
+  fmt::print("  {:<40} {} {}   {} {}   {}\n", name, percent(e.mean_force), percent(e.worst_force), percent(e.mean_drag),
+             percent(e.worst_drag), moment);
 }
 
 std::string degrees_text(const dragcore::Pose& pose) {
@@ -59,15 +60,17 @@ void print_table(const compare::ResidualFit& fit) {
     if (model.unseen) print_row("  each pose left out", *model.unseen);
   }
   fmt::print(
-      "Of the larger of the force and 0.3 of the mean force; moments about the centroid of the area also over L_ref. u of the references, without that of the method: {} % "
+      "Of the larger of the force and 0.3 of the mean force; moments about the centroid of the area also over L_ref. u of the references, "
+      "without that of the method: {} % "
       "in the mean.\nForce: {}. Moment: {}.\n",
       percent(fit.mean_u), fit.force_choice, fit.moment_choice);
   if (!fit.pillow) {
     fmt::print("Pillow factor: that of the class; no moment tells.\n");
   } else {
     fmt::print("Pillow factor of this body: {:.2f}, {}\n", fit.pillow->value,
-               fit.pillow->interval ? fmt::format("95 % interval {:.2f} to {:.2f}", fit.pillow->interval->first, fit.pillow->interval->second)
-                                    : "at its bound: no interval");
+               fit.pillow->interval
+                   ? fmt::format("95 % interval {:.2f} to {:.2f}", fit.pillow->interval->first, fit.pillow->interval->second)
+                   : "at its bound: no interval");
   }
 }
 
@@ -79,12 +82,13 @@ void write_model(const std::string& file, const compare::ResidualFit& fit, const
   dragcore::CalibratedModel model{
       .model = fit.model,
       .error = {e.mean_force, e.worst_force, e.mean_drag, e.worst_drag, e.mean_moment, e.worst_moment, fit.mean_u, e.poses},
-      .provenance = {{"program", "dragval " + revision()},
-                     {"method", method},
-                     {"poses", poses},
-                     {"reynolds", fmt::format("{:g} on {:g} m", body.reynolds, body.reference_length)},
-                     {"fit", fmt::format("force: {}; moment: {}; pillow {:.3f}", fit.force_choice, fit.moment_choice, fit.model.pillow.factor)},
-                     {"date", fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr)))}}};
+      .provenance = {
+          {"program", "dragval " + revision()},
+          {"method", method},
+          {"poses", poses},
+          {"reynolds", fmt::format("{:g} on {:g} m", body.reynolds, body.reference_length)},
+          {"fit", fmt::format("force: {}; moment: {}; pillow {:.3f}", fit.force_choice, fit.moment_choice, fit.model.pillow.factor)},
+          {"date", fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr)))}}};
   dragcore::write_calibrated(file, model);
   fmt::print("{}: read it by dragcore::read_calibrated(), or dragcore_calibrated_read() in C\n", file);
 }
@@ -117,9 +121,8 @@ void print_learning(const compare::BodyLoads& body) {
   compare::BodyLoads some = body;
   some.poses.clear();
   for (const Vector3d& direction : order) {
-    const auto pose = std::find_if(body.poses.begin(), body.poses.end(), [&](const compare::PoseLoad& p) {
-      return p.direction() == direction && !chosen.contains(p.name);
-    });
+    const auto pose = std::find_if(body.poses.begin(), body.poses.end(),
+                                   [&](const compare::PoseLoad& p) { return p.direction() == direction && !chosen.contains(p.name); });
     if (pose == body.poses.end()) continue;
     chosen.insert(pose->name);
     some.poses.push_back(*pose);
@@ -158,7 +161,8 @@ compare::BodyLoads loads_of(const Records& records) {
 
 void print_body(const compare::BodyLoads& body) {
   fmt::print("{} triangles, class {}; {} symmetries, {} of them mirrors; {} poses at Re {:g}\n", body.surface->size(),
-             to_string(body.surface->body_class), body.group.size(), compare::mirror_normals(body.group).size(), body.poses.size(), body.reynolds);
+             to_string(body.surface->body_class), body.group.size(), compare::mirror_normals(body.group).size(), body.poses.size(),
+             body.reynolds);
 }
 
 void calibrate_stored(const BodyCalibration& wanted, const SourceOptions& source) {
@@ -172,7 +176,8 @@ void calibrate_stored(const BodyCalibration& wanted, const SourceOptions& source
   }
   const Records records = usable(of_body, [](const compare::CaseOfRecord&) { return true; });
   if (records.empty())
-    throw UsageError(fmt::format("no usable case of '{}' at Re {:g}; there are: {}", wanted.stored, wanted.reynolds, fmt::join(bodies, ", ")));
+    throw UsageError(
+        fmt::format("no usable case of '{}' at Re {:g}; there are: {}", wanted.stored, wanted.reynolds, fmt::join(bodies, ", ")));
   const compare::BodyLoads body = loads_of(records);
   print_body(body);
   fit_and_print(body, "stored references", wanted);
@@ -196,12 +201,15 @@ dragcore::MeshBody body_from(const BodyCalibration& wanted) {
 
 std::string sweep_text(const dragcore::MeshBody& body, const dragcore::Pose& pose) {
   return fmt::format(
-      "\n[[sweep]]\nshape = \"mesh\"\nfile = \"{}.stl\"\nreference_area = {}\nreference_length = {}\nincidence_deg = {:.1f}\nyaw_deg = {:.1f}\n"
+      "\n[[sweep]]\nshape = \"mesh\"\nfile = \"{}.stl\"\nreference_area = {}\nreference_length = {}\nincidence_deg = {:.1f}\nyaw_deg = "
+      "{:.1f}\n"
       "roll_deg = {:.1f}\n",
-      body.name, body.measured.reference_area, body.measured.reference_length, pose.incidence / degree, pose.yaw / degree, pose.roll / degree);
+      body.name, body.measured.reference_area, body.measured.reference_length, pose.incidence / degree, pose.yaw / degree,
+      pose.roll / degree);
 }
 
-/// The matrix of a body's poses, beside its triangles in the cache: what `dragval run` takes, too. Poses are added to it, none is taken away.
+/// The matrix of a body's poses, beside its triangles in the cache: what `dragval run` takes, too. Poses are added to it, none is taken
+/// away.
 struct PoseMatrix {
   fs::path file;
   std::vector<Vector3d> directions;
@@ -258,7 +266,8 @@ std::string command_line(const BodyCalibration& wanted) {
   if (!wanted.unit.empty()) line += " --unit " + wanted.unit;
   if (wanted.area > 0.0) line += fmt::format(" --area {:g}", wanted.area);
   if (wanted.length > 0.0) line += fmt::format(" --length {:g}", wanted.length);
-  return line + fmt::format(" --reynolds {:g} --cache {}{}", wanted.reynolds, wanted.cache, wanted.write.empty() ? "" : " --write " + wanted.write);
+  return line + fmt::format(" --reynolds {:g} --cache {}{}", wanted.reynolds, wanted.cache,
+                            wanted.write.empty() ? "" : " --write " + wanted.write);
 }
 
 void calibrate_mesh(const BodyCalibration& wanted, Context& context) {
@@ -283,18 +292,20 @@ void calibrate_mesh(const BodyCalibration& wanted, Context& context) {
 
   auto cases = planned_cases(matrix, wanted, tools);
   const cfd_cases::PredictedSum sum = cfd_cases::predicted_sum(cases);
-  fmt::print("{}: A_ref {:.4g} m^2, L_ref {:.4g} m; {} symmetries; {} poses, {} cases in {}, {} to solve: {:.0f} ± {:.0f} CPU s\n", body.name,
-             body.measured.reference_area, body.measured.reference_length, group.size(), matrix.directions.size(), cases.size(),
+  fmt::print("{}: A_ref {:.4g} m^2, L_ref {:.4g} m; {} symmetries; {} poses, {} cases in {}, {} to solve: {:.0f} ± {:.0f} CPU s\n",
+             body.name, body.measured.reference_area, body.measured.reference_length, group.size(), matrix.directions.size(), cases.size(),
              matrix.file.string(), missing(cases), sum.cpu_s, sum.uncertainty);
   for (const auto& one : cases)
     fmt::print("  {:<70} {}\n", one.spec.name,
-               one.cached ? case_record::to_string(one.cached->status) : fmt::format("{:6.0f} cells {:6.0f} CPU s", one.estimate.cells, one.predicted_cpu_s));
+               one.cached ? case_record::to_string(one.cached->status)
+                          : fmt::format("{:6.0f} cells {:6.0f} CPU s", one.estimate.cells, one.predicted_cpu_s));
   if (wanted.dry_run) return;
   if (missing(cases) > 0) {
     std::fflush(stdout);
     std::signal(SIGINT, [](int) { stop_calibration = true; });
     std::signal(SIGTERM, [](int) { stop_calibration = true; });
-    const auto result = cfd_cases::run_campaign(cases, tools, {wanted.cache}, run_store(), {.jobs = wanted.jobs, .retry_failed = wanted.retry_failed}, stop_calibration);
+    const auto result = cfd_cases::run_campaign(cases, tools, {wanted.cache}, run_store(),
+                                                {.jobs = wanted.jobs, .retry_failed = wanted.retry_failed}, stop_calibration);
     for (const CaseRecord& record : result.unusable)
       fmt::print(stderr, "{}: {}, {}: left out\n", record.name, case_record::to_string(record.status), record.reason);
     if (result.interrupted) {
@@ -306,8 +317,9 @@ void calibrate_mesh(const BodyCalibration& wanted, Context& context) {
   }
   const Records records = solved(cases);
   if (records.size() < 3)
-    throw EnvironmentError(fmt::format("{} of {} poses have a usable case, but at least 3 are needed; `dragval explain NAME --matrix {}` says why",
-                                       records.size(), matrix.directions.size(), matrix.file.string()));
+    throw EnvironmentError(
+        fmt::format("{} of {} poses have a usable case, but at least 3 are needed; `dragval explain NAME --matrix {}` says why",
+                    records.size(), matrix.directions.size(), matrix.file.string()));
   double cpu_s = 0.0;
   for (const auto& one : cases)
     if (one.cached)
@@ -328,18 +340,20 @@ void calibrate_table(const BodyCalibration& wanted) {
   Records records;
   for (CaseRecord& record : compare::read_experiments(text, wanted.table, body)) {
     const double degrees = 1.0 / degree;
-    record.name = fmt::format("incidence {:g}, yaw {:g}, roll {:g}", degrees * record.pose.incidence, degrees * record.pose.yaw, degrees * record.pose.roll);
+    record.name = fmt::format("incidence {:g}, yaw {:g}, roll {:g}", degrees * record.pose.incidence, degrees * record.pose.yaw,
+                              degrees * record.pose.roll);
     const CaseRecord::Channels u = record.own_variance().cwiseSqrt();
     records.emplace_back(std::move(record), u);
   }
   const CaseRecord& first = records.front().first;
   for (const auto& [record, u] : records) {
-    if (dragcore::kind(record.shape) != dragcore::kind(first.shape) || dragcore::parameters(record.shape) != dragcore::parameters(first.shape))
+    if (dragcore::kind(record.shape) != dragcore::kind(first.shape) ||
+        dragcore::parameters(record.shape) != dragcore::parameters(first.shape))
       throw UsageError(fmt::format("{}: {} and {} are two bodies; a table of one is needed", wanted.table, dragcore::kind(first.shape),
                                    dragcore::kind(record.shape)));
     if (std::abs(std::log(record.reynolds / first.reynolds)) > std::log(3.0))
-      throw UsageError(fmt::format("{}: Re {:g} and {:g}; one map is of one Reynolds number, within a factor of 3", wanted.table, first.reynolds,
-                                   record.reynolds));
+      throw UsageError(fmt::format("{}: Re {:g} and {:g}; one map is of one Reynolds number, within a factor of 3", wanted.table,
+                                   first.reynolds, record.reynolds));
   }
   const compare::BodyLoads loads = loads_of(records);
   print_body(loads);

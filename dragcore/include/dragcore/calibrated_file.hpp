@@ -26,15 +26,16 @@ struct CalibratedModel {
 };
 
 /// HDF5: root attributes `schema` = "dragcore.calibrated_model", `schema_version` = "1.0", `law` (and `sheet_law`: a law file's TOML, the
-/// provenance in the first), `origin`, `viscous` ("yes" or "no"); datasets `map` [n, n, 1, 8], float, `body` [17] (ShapeMoments), `reynolds`
-/// [2] (on the diameter 2 radius), `pillow` [2 or 4] (tilt factor and viscous gain; of sheets), `most_mach` [1], `error` [8]; double. Each
-/// dataset has attributes `units`, `frame` and `long_name`.
+/// provenance in the first), `origin`, `viscous` ("yes" or "no"); datasets `map` [n, n, 1, 8], float, `body` [17] (ShapeMoments),
+/// `reynolds` [2] (on the diameter 2 radius), `pillow` [2 or 4] (tilt factor and viscous gain; of sheets), `most_mach` [1], `error` [8];
+/// double. Each dataset has attributes `units`, `frame` and `long_name`.
 /// @throws std::runtime_error  file missing, truncated, not HDF5, without checksums, of another or a newer schema; a law that read_law()
 ///                             refuses; wrong shapes, units or types; values that are not finite or out of range: file and fault
 CalibratedModel read_calibrated(const std::filesystem::path& file);
 
 /// Writes under a temporary name beside it and renames.
-/// @throws std::invalid_argument  a model without correction, or one of no body; with a pillow of a form other than tilt; a law without name
+/// @throws std::invalid_argument  a model without correction, or one of no body; with a pillow of a form other than tilt; a law without
+/// name
 /// @throws std::runtime_error     when the file cannot be written
 void write_calibrated(const std::filesystem::path& file, const CalibratedModel& calibrated);
 

@@ -355,7 +355,8 @@ void Surface::find_shape_moments() {
   for (Eigen::Index i = 0; i < size(); ++i) {
     const Vector3d ab = edge_ab.row(i).matrix() / radius, ac = edge_ac.row(i).matrix() / radius;
     const Vector3d middle = (centroid.row(i).matrix().transpose() - centre) / radius;
-    const std::array corners{Vector3d(middle - (ab + ac) / 3.0), Vector3d(middle + (2.0 * ab - ac) / 3.0), Vector3d(middle + (2.0 * ac - ab) / 3.0)};
+    const std::array corners{Vector3d(middle - (ab + ac) / 3.0), Vector3d(middle + (2.0 * ab - ac) / 3.0),
+                             Vector3d(middle + (2.0 * ac - ab) / 3.0)};
     const double share = area[i] / total_area;
     // Exact to degree 3: the centroid, the middles of the edges and the corners, 27, 8 and 3 sixtieths.
     const auto add = [&](const Vector3d& r, double weight) {

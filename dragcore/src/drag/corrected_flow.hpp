@@ -25,7 +25,7 @@ struct CorrectedFlow {
   Wrench beside(const Wrench& of_law) const { return wrench(share(of_law)); }
 
  private:
-  Eigen::Vector3d arm_;         // from the reference point to the centre
+  Eigen::Vector3d arm_;          // from the reference point to the centre
   Eigen::Vector3d u_, turning_;  // of the air at the centre; of the body relative to the air
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero(), torque_ = Eigen::Vector3d::Zero();  // about the centre
 };

@@ -187,14 +187,15 @@ WrenchByTerm wrench(const Surface& surface, const Motion& motion, const Medium& 
 
 namespace {
 
-/// The correction by triangle, force and torque about the reference point: a traction F/A + b x (r - centre), with b such that its torque is
-/// that of the correction.
+/// The correction by triangle, force and torque about the reference point: a traction F/A + b x (r - centre), with b such that its torque
+/// is that of the correction.
 Eigen::Matrix<double, 6, Eigen::Dynamic> spread_correction(const Surface& surface, const Motion& motion, const Medium& medium,
                                                            const Model& model, const Wrench& of_law) {
   const Wrench whole = CorrectedFlow(surface, motion, medium, model).beside(of_law);
   const Vector3d arm = surface.centre - motion.reference_point;
   const auto moment_of = [&](Eigen::Index i) {  // of a triangle about its own centroid, per area
-    const Eigen::Matrix3d second = triangle_second_moment(Vector3d(surface.edge_ab.row(i).matrix()), Vector3d(surface.edge_ac.row(i).matrix()));
+    const Eigen::Matrix3d second =
+        triangle_second_moment(Vector3d(surface.edge_ab.row(i).matrix()), Vector3d(surface.edge_ac.row(i).matrix()));
     return Eigen::Matrix3d(second.trace() * Eigen::Matrix3d::Identity() - second);
   };
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
@@ -241,7 +242,8 @@ TriangleForces triangle_forces(const Surface& surface, const Motion& motion, con
     }
   });
   if (balance.has_gain()) taken += balance.gain_share() * given;
-  if (is_corrected(model)) taken += spread_correction(surface, motion, medium, model, {taken.topRows<3>().rowwise().sum(), taken.bottomRows<3>().rowwise().sum()});
+  if (is_corrected(model))
+    taken += spread_correction(surface, motion, medium, model, {taken.topRows<3>().rowwise().sum(), taken.bottomRows<3>().rowwise().sum()});
   check_result(taken.allFinite(), model);
   TriangleForces result;
   result.force = taken.topRows<3>();

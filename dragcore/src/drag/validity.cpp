@@ -97,9 +97,10 @@ Validity validity(const Surface& surface, const Motion& motion, const Medium& me
       doubt(Doubt::low_reynolds, "Re is " + text(reynolds) + "; the laws are fitted at 1e5 and lack the friction of anything below 1e4");
   }
   const bool corrected = is_corrected(model);
-  if (corrected && reynolds > 0.0 && (3.0 * reynolds < model.correction->least_reynolds || reynolds > 3.0 * model.correction->most_reynolds))
-    doubt(Doubt::not_calibrated, "Re is " + text(reynolds) + "; this body was calibrated from " + text(model.correction->least_reynolds) + " to " +
-                                     text(model.correction->most_reynolds));
+  if (corrected && reynolds > 0.0 &&
+      (3.0 * reynolds < model.correction->least_reynolds || reynolds > 3.0 * model.correction->most_reynolds))
+    doubt(Doubt::not_calibrated, "Re is " + text(reynolds) + "; this body was calibrated from " + text(model.correction->least_reynolds) +
+                                     " to " + text(model.correction->most_reynolds));
   if (!surface.convex && !surface.exposed)
     doubt(Doubt::not_exposed, "the mesh is not convex, and nobody looked which walls stand in the wind of others: use expose()");
   if (!surface.convex && surface.exposed && !surface.exposure)

@@ -13,8 +13,7 @@ namespace {
 constexpr const char* calibrated_schema = "dragcore.calibrated_model";
 
 std::array<double, 8> numbers_of(const CalibrationError& e) {
-  return {e.mean_force,  e.worst_force,  e.mean_drag, e.worst_drag,
-          e.mean_moment, e.worst_moment, e.reference, static_cast<double>(e.poses)};
+  return {e.mean_force, e.worst_force, e.mean_drag, e.worst_drag, e.mean_moment, e.worst_moment, e.reference, static_cast<double>(e.poses)};
 }
 
 /// A law's text, by the reader of law files.
@@ -98,7 +97,8 @@ void write_calibrated(const std::filesystem::path& path, const CalibratedModel& 
   validate(*model.correction);
   const auto pillow_numbers = [](const Pillow& pillow) {
     if (pillow.form != PillowForm::none && pillow.form != PillowForm::tilt)
-      throw std::invalid_argument("write_calibrated: a pillow of the form '" + to_string(pillow.form) + "', but 'tilt' or 'none' is needed");
+      throw std::invalid_argument("write_calibrated: a pillow of the form '" + to_string(pillow.form) +
+                                  "', but 'tilt' or 'none' is needed");
     return pillow.form == PillowForm::none ? std::array{0.0, 0.0} : std::array{pillow.factor, pillow.viscous_gain};
   };
   const auto own = pillow_numbers(model.pillow), of_sheets = model.sheets ? pillow_numbers(model.sheets->pillow) : own;

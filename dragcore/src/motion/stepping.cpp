@@ -133,9 +133,9 @@ Matrix6d resistance(const Surface& surface, const Motion& motion, const Medium& 
   // In a wind that varies, power against the wind at the reference point may be anything, and S v is not the wrench anyway: wind_excess()
   // has what pushes too.
   if ((secant.given_power > 0.0 || is_corrected(model)) && !active.has<Effect::wind_variation>()) {
-    // What pushes, and what corrects, has no secant matrix of its own that is not negative. Broyden's update (BFGS) turns S into the nearest one that is
-    // positive and whose product with the relative velocity is the whole wrench: (total . velocity) is its power, which the energy balances
-    // keep positive.
+    // What pushes, and what corrects, has no secant matrix of its own that is not negative. Broyden's update (BFGS) turns S into the
+    // nearest one that is positive and whose product with the relative velocity is the whole wrench: (total . velocity) is its power, which
+    // the energy balances keep positive.
     Vector6d velocity = -relative(motion);
     if (!active.has<Effect::spin>()) velocity.tail<3>().setZero();  // not felt
     EnergyBalance balance;

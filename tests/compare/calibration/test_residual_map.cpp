@@ -43,7 +43,9 @@ struct Truth {
   BodyLoads loads(const std::vector<Vector3d>& directions) const {
     BodyLoads body{.surface = &surface, .group = group, .reference_length = 1.0, .reynolds = 1e5};
     for (const Vector3d& d : directions) {
-      PoseLoad pose{.name = std::to_string(body.poses.size()), .to_wind = pose_towards(d, group).rotation(), .known = {true, true, true, true, true, true}};
+      PoseLoad pose{.name = std::to_string(body.poses.size()),
+                    .to_wind = pose_towards(d, group).rotation(),
+                    .known = {true, true, true, true, true, true}};
       const PoseLoad::Channels load = at(pose.direction());
       pose.load << pose.to_wind * load.head<3>(), pose.to_wind * load.tail<3>();
       pose.u.setConstant(0.002);
@@ -84,7 +86,8 @@ TEST_CASE("a field over directions has the symmetry of its body, passes through 
       const DirectionField without(rest, group, axial, {0.7, 1.0});
       for (std::size_t k = 0; k < seen.size(); ++k)
         if (seen[k].pose == pose)
-          CHECK(std::abs(left[static_cast<Eigen::Index>(k)] - (seen[k].value - seen[k].axis.dot(without.mean(seen[k].direction)))) < 1e-5);  // both sides have that rounding
+          CHECK(std::abs(left[static_cast<Eigen::Index>(k)] - (seen[k].value - seen[k].axis.dot(without.mean(seen[k].direction)))) <
+                1e-5);  // both sides have that rounding
     }
   }
 }
@@ -127,11 +130,13 @@ TEST_CASE("drag alone is enough for a map of drag; two poses are not; a table of
   // Four directions and their mirror images: as unsure as four.
   std::vector<Vector3d> four = some_directions(4, 2), eight = four;
   for (const Vector3d& d : four) eight.push_back(Vector3d(d.x(), -d.y(), d.z()));
-  const PoseErrors once = *fit_residual_map(truth.loads(four), "a test").map().unseen, twice = *fit_residual_map(truth.loads(eight), "a test").map().unseen;
+  const PoseErrors once = *fit_residual_map(truth.loads(four), "a test").map().unseen,
+                   twice = *fit_residual_map(truth.loads(eight), "a test").map().unseen;
   CHECK(twice.mean_force > 0.7 * once.mean_force);
 }
 
-TEST_CASE("a pose has the wind along any direction of the body, edges where incidence is 90 degrees among them", "[residual_map][analytic]") {
+TEST_CASE("a pose has the wind along any direction of the body, edges where incidence is 90 degrees among them",
+          "[residual_map][analytic]") {
   const std::vector<Matrix3d> cube = symmetry_group(dragcore::triangulate(dragcore::Box{1, 1, 1}, 1));
   for (int x = -1; x <= 1; ++x)
     for (int y = -1; y <= 1; ++y)

@@ -38,10 +38,11 @@ TEST_CASE("the symmetries of a mesh are those of its body, however it stands and
     int divisions;
     std::size_t order, mirrors;
   };
-  for (const Body& body : {Body{"cube", Box{1, 1, 1}, 1, 48, 9}, Body{"cube, cut finer", Box{1, 1, 1}, 3, 48, 9}, Body{"box", Box{3, 2, 1}, 2, 8, 3},
-                           Body{"square box", Box{2, 1, 1}, 2, 16, 5}, Body{"square plate", Plate{1, 1, 0.05}, 2, 16, 5},
-                           Body{"square sheet", Plate{1, 1, 0.0}, 2, 16, 5}, Body{"cone, 16 sides", Cone{}, 4, 32, 16},
-                           Body{"cylinder, 16 sides", Cylinder{}, 4, 64, 17}, Body{"prism of equal sides", Prism{}, 2, 12, 4}}) {
+  for (const Body& body :
+       {Body{"cube", Box{1, 1, 1}, 1, 48, 9}, Body{"cube, cut finer", Box{1, 1, 1}, 3, 48, 9}, Body{"box", Box{3, 2, 1}, 2, 8, 3},
+        Body{"square box", Box{2, 1, 1}, 2, 16, 5}, Body{"square plate", Plate{1, 1, 0.05}, 2, 16, 5},
+        Body{"square sheet", Plate{1, 1, 0.0}, 2, 16, 5}, Body{"cone, 16 sides", Cone{}, 4, 32, 16},
+        Body{"cylinder, 16 sides", Cylinder{}, 4, 64, 17}, Body{"prism of equal sides", Prism{}, 2, 12, 4}}) {
     INFO(body.name);
     for (const bool moved : {false, true}) {
       const TriangleMesh mesh = triangulate(body.shape, body.divisions);
@@ -53,7 +54,8 @@ TEST_CASE("the symmetries of a mesh are those of its body, however it stands and
   }
 }
 
-TEST_CASE("an L-bracket has its two mirrors, a skew body nothing, a ball as much as a cube, a many-sided cone a part", "[symmetry][analytic]") {
+TEST_CASE("an L-bracket has its two mirrors, a skew body nothing, a ball as much as a cube, a many-sided cone a part",
+          "[symmetry][analytic]") {
   const TriangleMesh bracket = read_mesh(std::string(SOURCE_FOLDER) + "/cfd_cases/bodies/l_bracket.stl");
   CHECK(symmetry_group(bracket).size() == 4);  // across its width, and legs of the same length exchanged
   Matrix3d skew;

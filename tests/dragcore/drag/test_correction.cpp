@@ -43,7 +43,8 @@ double power(const Wrench& w, const Motion& m) { return w.force.dot(m.wind - m.v
 
 }  // namespace
 
-TEST_CASE("at a node a correction is its row times density/2 speed^2 area, about the centre; and goes with them", "[correction][analytic]") {
+TEST_CASE("at a node a correction is its row times density/2 speed^2 area, about the centre; and goes with them",
+          "[correction][analytic]") {
   const TriangleMesh box = triangulate(Box{2.0, 1.0, 0.6}, 2);
   const Surface surface(box, Surface::Sides::one);
   const Model model = corrected(surface, 0.05);
@@ -156,8 +157,7 @@ TEST_CASE("in free flight with spin, a corrected body never gains energy relativ
           const Matrix3d to_body = turn.toRotationMatrix().transpose();
           Motion motion{.wind = to_body * wind, .velocity = to_body * velocity};
           motion.angular_velocity = gyroscopic_spin(body, spin, dt);
-          const Vector6d next =
-              step_secant_implicit(resistance(surface, motion, {}, model), body, motion, Vector6d::Zero(), dt);
+          const Vector6d next = step_secant_implicit(resistance(surface, motion, {}, model), body, motion, Vector6d::Zero(), dt);
           velocity = to_body.transpose() * next.head<3>(), spin = next.tail<3>();
           turn = (turn * Eigen::AngleAxisd(dt * spin.norm(), spin.stableNormalized())).normalized();
           const double now = energy();
@@ -186,7 +186,7 @@ TEST_CASE("a correction is continuous over direction and fades with spin", "[cor
   }
   const double straight = felt({1, 0.2, 0.1}, Vector3d::Zero()).norm();
   CHECK(felt({1, 0.2, 0.1}, Vector3d(0, 0, 1) * 10.0 / surface.radius).norm() < 0.03 * straight);  // 1/(1 + 100)
-  CHECK(felt(Vector3d::Zero(), Vector3d(0, 0, 3)).norm() < 1e-20);  // the centre is at rest but for rounding
+  CHECK(felt(Vector3d::Zero(), Vector3d(0, 0, 3)).norm() < 1e-20);                                 // the centre is at rest but for rounding
 }
 
 TEST_CASE("the Jacobian has the correction's slope", "[correction][analytic]") {

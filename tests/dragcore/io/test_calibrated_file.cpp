@@ -65,8 +65,8 @@ TEST_CASE("the C interface reads a calibrated model, which feels what it does in
   CHECK(model.correction == correction);
   const TriangleMesh mesh = triangulate(Cone{}, 4);
   dragcore_surface* surface = nullptr;
-  REQUIRE(dragcore_surface_create(mesh.vertices[0].data(), mesh.vertices.size(), mesh.triangles[0].data(), mesh.triangles.size(), DRAGCORE_ONE_SIDED,
-                                  &surface) == DRAGCORE_OK);
+  REQUIRE(dragcore_surface_create(mesh.vertices[0].data(), mesh.vertices.size(), mesh.triangles[0].data(), mesh.triangles.size(),
+                                  DRAGCORE_ONE_SIDED, &surface) == DRAGCORE_OK);
   dragcore_motion motion{};
   motion.wind[0] = 3.0, motion.wind[1] = 1.0;
   dragcore_wrench found;
