@@ -257,6 +257,7 @@ Choice best_choice(const Target& target) {
         VectorXd values(observations.size());
         for (std::size_t k = 0; k < observations.size(); ++k) values[static_cast<Eigen::Index>(k)] = observations[k].value;
         lowest = least_gain * score(target, observations, values);
+        best.kernel.size = rms(observations);  // for how unsure it is
       }
       for (const double length : lengths)
         for (const double size : sizes) {

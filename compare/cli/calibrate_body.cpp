@@ -326,7 +326,8 @@ void calibrate_mesh(const BodyCalibration& wanted, Context& context) {
       for (const auto& [stage, cost] : one.cached->cost) cpu_s += cost.cpu_s;
   const compare::BodyLoads loads = loads_of(records);
   print_body(loads);
-  fmt::print("CPU time of all cases: {:.0f} s\n", cpu_s);
+  fmt::print("CPU time of all cases: {:.0f} s{}\n", cpu_s,
+             wanted.levels.find(',') == std::string::npos ? "; one mesh level: u lacks the error of the mesh" : "");
   fit_and_print(loads, fmt::format("OpenFOAM {}, {}, meshes {}", tools.openfoam, records.front().first.flow_model, wanted.levels), wanted);
   fmt::print("To go on: {} --more {}\n", command_line(wanted), wanted.more > 0 ? wanted.more : 6);
 }
