@@ -51,8 +51,9 @@ struct Part {
   CreepingResistance creeping{};
 };
 
-/// Shape and axes of a surface whatever its size, place and triangulation: the second moments (xx, xy, xz, yy, yz, zz) and third moments (xxx,
-/// xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz) of its area about its centre, over area and powers of radius, and its volume over area and radius.
+/// Shape and axes of a surface whatever its size, place and triangulation: the second moments (xx, xy, xz, yy, yz, zz) and third moments
+/// (xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz) of its area about its centre, over area and powers of radius, and its volume over
+/// area and radius.
 using ShapeMoments = std::array<double, 17>;
 
 /// A mesh prepared once for any number of evaluations. Its members are to be read: what depends on them is made with them, `packed` above
