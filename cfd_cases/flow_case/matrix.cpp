@@ -130,6 +130,7 @@ struct Sweep {
   std::vector<std::string> levels{"medium"};
   std::string start;   ///< name of the case that the first one starts from
   bool chain = false;  ///< each case starts from the one before it
+  int seeds = 0;       ///< each case on this many meshes of the same sizes, seeds 1, 2, ...; 0: as `common` has it
 };
 
 void read_numerics(Table table, Numerics& numerics) {
@@ -197,6 +198,9 @@ void read_special(Table& table, const fs::path& file, Sweep& sweep) {
   int seed = 0;
   table.integer("mesh_seed", seed, 0, 1000000);
   spec.recipe.seed = seed;
+  table.integer("mesh_seeds", sweep.seeds, 1, 1000);
+  if (sweep.seeds > 0 && (seed != 0 || !spec.variant.empty() || sweep.chain))
+    table.fail("mesh_seeds makes the variants seed-1, seed-2, ... by itself: leave out mesh_seed, variant and chain");
   const bool spins = !spec.spin.axis.empty();
   if (spins && (spec.spin.axis.find_first_not_of("xyz") != std::string::npos || spec.spin.direction().isZero()))
     table.fail(fmt::format("spin = \"{}\" is no axis: use \"x\", \"z\", \"xy\", \"xyz\", ...", spec.spin.axis));
@@ -217,10 +221,10 @@ void read_special(Table& table, const fs::path& file, Sweep& sweep) {
         "numerics, recipe, air, turn_wind, half_model, mesh_seed and min_iterations need variant = \"word\", which tells the cases from "
         "the usual ones");
   if (std::holds_alternative<dragcore::MeshBody>(spec.shape) &&
-      (mesher != "polyhedra" || air == "round" || spec.turn_wind || spins || seed != 0))
+      (mesher != "polyhedra" || air == "round" || spec.turn_wind || spins || seed != 0 || sweep.seeds != 0))
     table.fail(
         "a body of shape = \"mesh\" is solved at rest, meshed by snappyHexMesh in a box of air: leave out mesher, "
-        "air, turn_wind, spin, mesh_seed");
+        "air, turn_wind, spin, mesh_seed, mesh_seeds");
   for (const std::string& level : sweep.levels) try {
       MeshRecipe recipe = spec.recipe;
       recipe.refinement = refinement_of(level, spec.octree());
@@ -372,27 +376,33 @@ Matrix parse_matrix(std::string_view text, const fs::path& file) {
     table.word("variant", sweep.common.variant);
     read_common(table, file, sweep);
     read_special(table, file, sweep);
+    if (entry.contains("time") && !sweep.common.time_accurate())
+      table.fail(fmt::format(
+          "time belongs to what is solved in time, and flow_model = \"{}\" is steady: use laminar_unsteady, k_omega_sst_ddes or spin_ratio",
+          sweep.common.flow_model));
     table.reject_unknown("[[sweep]]");
     for (const auto& level : sweep.levels)
       for (const double reynolds : sweep.reynolds) {
         std::shared_ptr<const CaseSpec> before = started_by(sweep, table, matrix);
         for (const double roll : sweep.roll)
           for (const double yaw : sweep.yaw)
-            for (const double incidence : sweep.incidence) {
-              CaseSpec spec = sweep.common;
-              spec.mesh_level = level;
-              spec.reynolds = reynolds;
-              spec.recipe = recipe_for(spec.recipe, spec.shape, reynolds);
-              spec.pose = {incidence, yaw, roll};
-              spec.name = case_name(spec);
-              const auto [other, is_new] = seen.emplace(spec.name, node.source().begin);
-              if (!is_new)
-                table.fail(node, fmt::format("case {} is there already, from line {}; take it out of one sweep, or give one a `variant`",
-                                             spec.name, other->second.line));
-              spec.start = before;
-              if (sweep.chain) before = std::make_shared<const CaseSpec>(spec);
-              matrix.cases.push_back(std::move(spec));
-            }
+            for (const double incidence : sweep.incidence)
+              for (int seed = sweep.seeds > 0 ? 1 : 0; seed <= sweep.seeds; ++seed) {
+                CaseSpec spec = sweep.common;
+                spec.mesh_level = level;
+                spec.reynolds = reynolds;
+                spec.recipe = recipe_for(spec.recipe, spec.shape, reynolds);
+                spec.pose = {incidence, yaw, roll};
+                if (seed > 0) spec.recipe.seed = seed, spec.variant = fmt::format("seed-{}", seed);
+                spec.name = case_name(spec);
+                const auto [other, is_new] = seen.emplace(spec.name, node.source().begin);
+                if (!is_new)
+                  table.fail(node, fmt::format("case {} is there already, from line {}; take it out of one sweep, or give one a `variant`",
+                                               spec.name, other->second.line));
+                spec.start = before;
+                if (sweep.chain) before = std::make_shared<const CaseSpec>(spec);
+                matrix.cases.push_back(std::move(spec));
+              }
       }
   }
   return matrix;

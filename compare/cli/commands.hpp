@@ -53,6 +53,7 @@ void add_variants(CLI::App& app, Context& context);
 void add_calibrate(CLI::App& app, Context& context);
 void add_cost(CLI::App& app, Context& context);
 void add_gate(CLI::App& app, Context& context);
+void add_odds(CLI::App& app, Context& context);
 void add_baseline(CLI::App& app, Context& context);
 void add_report(CLI::App& app, Context& context);
 void add_mesh(CLI::App& app, Context& context);
@@ -73,6 +74,9 @@ struct ModelOptions {
   std::string label() const;           ///< "note", "consistent, pillow tilt 0.78": for headings and files
 };
 void add_model_options(CLI::App& command, ModelOptions& options);
+
+/// What a gate watches: the model that was asked for by --law or --pillow, by itself; compare::gated_models() where neither was.
+std::vector<compare::NamedModel> watched_models(const CLI::App& command, const ModelOptions& options);
 
 /// Where the references come from: --store FILE or --cache DIR, and which of them: --matrix TIER or file.
 struct SourceOptions {

@@ -10,6 +10,8 @@
 #include "cfd_cases/programs/subprocess.hpp"
 #include "compare/cli/campaign_options.hpp"
 #include "compare/cli/commands.hpp"
+#include "compare/gate/baseline.hpp"
+#include "compare/tables/explanation.hpp"
 
 namespace cli {
 
@@ -106,18 +108,41 @@ void print(const nlohmann::json& text) {
 void add_explain(CLI::App& app, Context&) {
   struct Options {
     CampaignInput input;
+    std::string pose, store = "results/reference.h5";
+    double reynolds = 1e5;
+    ModelOptions model;
     bool json = false;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("explain", "Says why a case is missing, stale or failed: attempts, log, folder and the command to repeat it");
-  command->add_option("case", options->input.only, "name of a case, part of one, or a pattern")->required();
+      app.add_subcommand("explain",
+                         "BODY POSE: how wrong the model is there, whether that is real, where it comes from and what would halve it.\n"
+                         "CASE: why a case is missing, stale or failed: attempts, log, folder and the command to repeat it");
+  command->add_option("case", options->input.only, "name of a case, part of one, or a pattern; with a pose, a body: cube, 'plate span=3'")
+      ->required();
+  command->add_option("pose", options->pose, "degrees: 30, 'yaw 45', 'incidence 20 yaw 15'");
+  command->add_option("--re", options->reynolds, "Reynolds number of the pose")->capture_default_str();
+  command->add_option("--store", options->store, "references of the pose")->capture_default_str();
+  add_model_options(*command, options->model);
   command->add_option("--matrix", options->input.matrix, "smoke, quick, reference or a TOML file")->capture_default_str();
   command->add_option("--cache", options->input.cache, "folder of solved cases")->capture_default_str();
   command->add_flag("--json", options->json, "machine-readable");
-  command->footer("Example:  dragval explain plate_incidence-030_re-1e5_medium");
+  command->footer("Examples:\n  dragval explain cube 'yaw 45'\n  dragval explain plate_incidence-030_re-1e5_medium");
   command->callback([options] {
     nlohmann::json list = nlohmann::json::array();
+    if (!options->pose.empty()) {
+      const compare::PoseQuestion question = compare::pose_question(options->input.only, options->pose, options->reynolds);
+      const compare::Reference reference = load({.store = options->store}).reference;
+      const compare::NamedModel asked{options->model.label(), options->model.model()};
+      for (const compare::Explanation& found : compare::explain_error(reference, asked, compare::gated_models(), question)) {
+        if (options->json)
+          list.push_back(compare::to_json(found));
+        else
+          std::cout << compare::render(found);
+      }
+      if (options->json) std::cout << list.dump(2) << "\n";
+      return;
+    }
     const auto tasks = cfd_cases::slurm_tasks({options->input.cache});
     for (const auto& planned : plan_cases(options->input, cfd_cases::find_tools())) list.push_back(explain(planned, options->input, tasks));
     if (options->json)

@@ -35,7 +35,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   cli::Context context;
   for (const auto add : {cli::add_doctor, cli::add_plan, cli::add_run, cli::add_explain, cli::add_collect, cli::add_import,
-                         cli::add_compare, cli::add_truth, cli::add_variants, cli::add_calibrate, cli::add_cost, cli::add_gate,
+                         cli::add_compare, cli::add_truth, cli::add_variants, cli::add_calibrate, cli::add_cost, cli::add_gate, cli::add_odds,
                          cli::add_baseline, cli::add_report, cli::add_mesh, cli::add_drag, cli::add_bake})
     add(app, context);
   try {

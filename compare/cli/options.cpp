@@ -12,6 +12,7 @@
 #include "cfd_cases/flow_case/matrix.hpp"
 #include "compare/calibration/prediction.hpp"
 #include "compare/cli/commands.hpp"
+#include "compare/gate/baseline.hpp"
 #include "compare/reference/case_of_record.hpp"
 #include "compare/reference/uncertainty.hpp"
 #include "dragcore/law_file.hpp"
@@ -49,7 +50,7 @@ compare::ModelChoice ModelOptions::model() const {
 std::string ModelOptions::label() const {
   const std::string name = law == "scaled"  ? fmt::format("scaled {:g} suction {:g}", scale, base_suction)
                            : law == "class" ? "by class"
-                                            : law;
+                                            : std::filesystem::path(law).filename().string();
   const std::string pillow_label = model().pillow_label();
   return pillow_label.empty() ? name : name + ", " + pillow_label;
 }
@@ -73,6 +74,11 @@ void add_model_options(CLI::App& command, ModelOptions& options) {
   command.add_option("--falloff", options.falloff, "Of the triangle and patch forms: circular or linear")->capture_default_str();
   command.add_option("--factor", options.factor, "Factor of --pillow: 0 to 1, of the tilt form 0 to 1.5");
   command.add_option("--quadrature", options.quadrature, "Points per triangle: 1, 3 or 6, or 0 for adaptive")->capture_default_str();
+}
+
+std::vector<compare::NamedModel> watched_models(const CLI::App& command, const ModelOptions& options) {
+  if (command.count("--law") + command.count("--pillow") == 0) return compare::gated_models();
+  return {{options.label(), options.model()}};
 }
 
 void add_source_options(CLI::App& command, SourceOptions& options) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <ctime>
 #include <fstream>
@@ -52,13 +53,43 @@ std::vector<NamedModel> gated_models() {
       {"by class, tilt pillow by class", ModelChoice::recommended()}};
 }
 
-Baseline make_baseline(const std::vector<case_record::CaseRecord>& records, const std::string& reason, const Baseline& previous) {
+Predictor predictor_of_choice(const NamedModel& named) { return predictor(named.choice); }
+
+SeededName seeded_name(const std::string& case_name) {
+  const auto at = case_name.rfind("_seed-");
+  if (at == std::string::npos) return {case_name};
+  int seed = 0;
+  const char* const end = case_name.data() + case_name.size();
+  const auto [stop, fault] = std::from_chars(case_name.data() + at + 6, end, seed);
+  return fault == std::errc() && stop == end ? SeededName{case_name.substr(0, at), seed} : SeededName{case_name};
+}
+
+std::map<std::string, std::array<double, 6>> scatter_over_seeds(const std::vector<case_record::CaseRecord>& records) {
+  constexpr std::size_t fewest = 5;
+  std::map<std::string, std::vector<case_record::CaseRecord::Channels>> by_case;
+  for (const case_record::CaseRecord& record : records)
+    if (const auto [base, seed] = seeded_name(record.name); seed > judged_seeds && case_record::is_usable(record.status))
+      by_case[base].push_back(coefficients(record).values);
+  std::map<std::string, std::array<double, 6>> scatter;
+  for (const auto& [name, values] : by_case) {
+    if (values.size() < fewest) continue;
+    case_record::CaseRecord::Channels mean = case_record::CaseRecord::Channels::Zero(), squares = mean;
+    for (const auto& value : values) mean += value / static_cast<double>(values.size());
+    for (const auto& value : values) squares += (value - mean).cwiseAbs2() / static_cast<double>(values.size() - 1);
+    for (int k = 0; k < 6; ++k) scatter[name][static_cast<std::size_t>(k)] = std::sqrt(squares[k]);
+  }
+  return scatter;
+}
+
+Baseline make_baseline(const std::vector<case_record::CaseRecord>& records, const std::string& reason, const Baseline& previous,
+                       const std::vector<NamedModel>& models) {
   if (reason.empty()) throw std::invalid_argument("a baseline needs a reason, which stays in it: --reason \"why the errors may change\"");
   Baseline baseline;
   baseline.history = previous.history;
   baseline.history.push_back({today(), reason});
   baseline.case_budget = kept_budget(previous.case_budget, standing_case_budget);
-  for (const NamedModel& named : gated_models()) {
+  baseline.seed_scatter = previous.seed_scatter;
+  for (const NamedModel& named : models) {
     const ErrorTable table = compare_with(records, predictor(named.choice), named.name);
     Baseline::Model& model = baseline.models[named.name];
     std::set<std::string> planned;
@@ -104,6 +135,8 @@ Baseline read_baseline(const std::filesystem::path& path) {
       for (const auto& [group, channels] : model.at("groups").items())
         for (const auto& [channel, entry] : channels.items()) target.groups[group][channel] = {entry.at("rms"), entry.at("budget")};
     }
+    if (document.contains("seed_scatter"))
+      baseline.seed_scatter = document.at("seed_scatter").get<std::map<std::string, std::array<double, 6>>>();
     return baseline;
   } catch (const std::exception& error) {
     throw std::invalid_argument(fmt::format("{} is not a baseline: {}; restore it from version control", path.string(), error.what()));
@@ -121,6 +154,7 @@ void write_baseline(const std::filesystem::path& path, const Baseline& baseline)
     for (const auto& [group, channels] : model.groups)
       for (const auto& [channel, entry] : channels) target["groups"][group][channel] = {{"rms", entry.rms}, {"budget", entry.budget}};
   }
+  if (!baseline.seed_scatter.empty()) document["seed_scatter"] = baseline.seed_scatter;
   if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path());
   const std::filesystem::path partial = path.string() + ".partial";
   std::ofstream file(partial);

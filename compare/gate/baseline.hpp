@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
@@ -11,8 +12,12 @@
 
 namespace compare {
 
-/// The models that a gate watches: the note's law, alone and with pillows, the consistent and the scaled law, and the laws by class.
+/// The models that a gate watches unless told: the note's law, alone and with pillows, the consistent and the scaled law, and the laws by
+/// class.
 std::vector<NamedModel> gated_models();
+
+/// predict() bound to the model's choice.
+Predictor predictor_of_choice(const NamedModel& named);
 
 /// The most by which errors may get worse, in units of the coefficients: half a percent of a coefficient of order one for a group, one
 /// percent for a case. A baseline may hold smaller budgets; run_gate() refuses larger ones, which would pass anything.
@@ -41,11 +46,30 @@ struct Baseline {
   double case_budget = 0.0;          ///< the error of one case may grow by this, or by twice its u if that is more
   std::vector<std::string> planned;  ///< cases that must be compared
   std::map<std::string, Model> models;
+  std::map<std::string, std::array<double, 6>> seed_scatter;  ///< case, channel: standard deviation of the coefficient over mesh seeds
 };
 
-/// The state of these records as a baseline. Budgets are kept from `previous` where it has them within the standing ones.
+/// How many standard deviations over mesh seeds two solutions of one case may lie apart.
+constexpr double seed_factor = 5.0;
+
+/// A case on a mesh of another seed: "cube_re-1e5_coarse_seed-7" is the case "cube_re-1e5_coarse" with seed 7. Seed 0: any other name.
+struct SeededName {
+  std::string base;
+  int seed = 0;
+};
+SeededName seeded_name(const std::string& case_name);
+
+/// Seeds up to this one are what gate_odds() judges; those above say what scatter is allowed, so that the two do not know each other.
+constexpr int judged_seeds = 100;
+
+/// Standard deviations over the meshes of each case with seeds above `judged_seeds`, where five or more are usable.
+std::map<std::string, std::array<double, 6>> scatter_over_seeds(const std::vector<case_record::CaseRecord>& records);
+
+/// The state of these records as a baseline. Budgets are kept from `previous` where it has them within the standing ones, and so is the
+/// scatter over seeds.
 /// @throws std::invalid_argument when no case is usable or the reason is empty
-Baseline make_baseline(const std::vector<case_record::CaseRecord>& records, const std::string& reason, const Baseline& previous = {});
+Baseline make_baseline(const std::vector<case_record::CaseRecord>& records, const std::string& reason, const Baseline& previous = {},
+                       const std::vector<NamedModel>& models = gated_models());
 
 /// @throws std::invalid_argument  when the file is missing (naming the command that makes one) or is not a baseline
 Baseline read_baseline(const std::filesystem::path& path);

@@ -1,13 +1,10 @@
 #include "compare/gate/gate.hpp"
 
-#include <fmt/color.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
-#include <set>
 
 namespace compare {
 namespace {
@@ -121,13 +118,13 @@ bool GateResult::passed() const {
   return complete() && !checks.empty() && std::all_of(checks.begin(), checks.end(), [](const GateCheck& check) { return check.passed; });
 }
 
-GateResult run_gate(const Baseline& baseline, const std::vector<CaseRecord>& records,
+GateResult run_gate(const Baseline& baseline, const std::vector<CaseRecord>& records, const std::vector<NamedModel>& models,
                     const std::function<Predictor(const NamedModel&)>& predictor_of) {
   GateResult result;
   result.planned = static_cast<int>(baseline.planned.size());
   std::map<std::string, std::size_t> compared;  // in how many of the models
   const std::vector<CaseOfRecord> records_of_pose = cases_of_record(records);
-  for (const NamedModel& named : gated_models()) {
+  for (const NamedModel& named : models) {
     const auto found = baseline.models.find(named.name);
     if (found == baseline.models.end()) {
       result.checks.push_back({named.name, false, 0, "not in the baseline; see dragval baseline diff, then accept it with a reason"});
@@ -182,7 +179,7 @@ GateResult run_gate(const Baseline& baseline, const std::vector<CaseRecord>& rec
     for (const Tally* tally : {&terms, &predictions, &references, &groups, &cases, &signs, &null}) result.checks.push_back(tally->result());
   }
   // A case counts when every model was compared on it: one that is missing from a single model is a hole too.
-  const auto everywhere = [&](const std::string& name) { return compared[name] == gated_models().size(); };
+  const auto everywhere = [&](const std::string& name) { return compared[name] == models.size(); };
   for (const std::string& name : baseline.planned) result.compared += static_cast<int>(everywhere(name));
   GateCheck coverage{"coverage", result.complete(), result.compared,
                      fmt::format("{} of {} planned cases compared", result.compared, result.planned)};
@@ -192,15 +189,13 @@ GateResult run_gate(const Baseline& baseline, const std::vector<CaseRecord>& rec
   return result;
 }
 
-GateResult run_gate(const Baseline& baseline, const std::vector<CaseRecord>& records) {
-  return run_gate(baseline, records, [](const NamedModel& named) { return predictor(named.choice); });
-}
-
-GateCheck check_solved_again(const std::vector<CaseRecord>& stored, const std::vector<CaseRecord>& solved) {
+GateCheck check_solved_again(const Baseline& baseline, const std::vector<CaseRecord>& stored, const std::vector<CaseRecord>& solved,
+                             double budget) {
   constexpr double stop_tolerance = 0.003;
   Tally tally("solved again");
   for (const CaseRecord& run : solved) {
-    const auto found = std::find_if(stored.begin(), stored.end(), [&](const CaseRecord& record) { return record.name == run.name; });
+    const std::string name = seeded_name(run.name).base;
+    const auto found = std::find_if(stored.begin(), stored.end(), [&](const CaseRecord& record) { return record.name == name; });
     if (found == stored.end() || !case_record::is_usable(found->status) || !case_record::is_usable(run.status)) {
       tally.add(2.0, fmt::format("{}: {} now, {} in the references", run.name, case_record::to_string(run.status),
                                  found == stored.end() ? "missing" : case_record::to_string(found->status)));
@@ -208,30 +203,20 @@ GateCheck check_solved_again(const std::vector<CaseRecord>& stored, const std::v
     }
     const auto now = coefficients(run).values, was = coefficients(*found).values;
     const CaseRecord::Channels u = (run.own_variance() + found->own_variance()).cwiseSqrt().cwiseQuotient(coefficient_scales(run));
-    for (int k = 0; k < 6; ++k)
-      tally.add(std::abs(now[k] - was[k]) / std::max(2.0 * u[k], stop_tolerance * std::abs(was[0])),
-                fmt::format("{} {} {:.5f}, stored {:.5f}", run.name, symbol(static_cast<Channel>(k)), now[k], was[k]));
+    const auto scatter = baseline.seed_scatter.find(name);
+    for (int k = 0; k < 6; ++k) {
+      const double seeds = scatter == baseline.seed_scatter.end() ? 0.0 : seed_factor * scatter->second[static_cast<std::size_t>(k)];
+      if (budget > 0.0 && budget * std::abs(was[0]) < seeds)
+        throw std::invalid_argument(fmt::format(
+            "--solved-budget {:g}: meshes of {} that differ in their seed alone are apart by {:.5f} in {} (five standard deviations), "
+            "{:.3g} of C_D; at least that is needed, or unchanged code fails",
+            budget, name, seeds, symbol(static_cast<Channel>(k)), seeds / std::abs(was[0])));
+      const double allowed = budget > 0.0 ? budget * std::abs(was[0]) : std::max({2.0 * u[k], stop_tolerance * std::abs(was[0]), seeds});
+      tally.add(std::abs(now[k] - was[k]) / allowed, fmt::format("{} {} {:.5f}, stored {:.5f}, may be apart by {:.5f}", run.name,
+                                                                 symbol(static_cast<Channel>(k)), now[k], was[k], allowed));
+    }
   }
   return tally.result();
-}
-
-std::string render(const GateResult& result, bool colour) {
-  std::string text;
-  for (const GateCheck& check : result.checks) {
-    const std::string word = check.passed ? "pass" : "FAIL";
-    const auto style = fg(check.passed ? fmt::terminal_color::green : fmt::terminal_color::red);
-    text += fmt::format("{}  {:<45} {:>4}  {}\n", colour ? fmt::format(style, "{}", word) : word, check.name, check.compared, check.detail);
-  }
-  const auto failed = std::count_if(result.checks.begin(), result.checks.end(), [](const GateCheck& check) { return !check.passed; });
-  return text + (failed == 0 ? fmt::format("gate passed: {} checks, {} cases\n", result.checks.size(), result.compared)
-                             : fmt::format("gate failed: {} of {} checks\n", failed, result.checks.size()));
-}
-
-nlohmann::json to_json(const GateResult& result) {
-  nlohmann::json checks = nlohmann::json::array();
-  for (const GateCheck& check : result.checks)
-    checks.push_back({{"name", check.name}, {"passed", check.passed}, {"compared", check.compared}, {"detail", check.detail}});
-  return {{"passed", result.passed()}, {"planned", result.planned}, {"compared", result.compared}, {"checks", checks}};
 }
 
 }  // namespace compare

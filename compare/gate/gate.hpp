@@ -1,7 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -43,18 +42,26 @@ struct GateResult {
 ///   signs        a coefficient beyond 0.01 keeps the sign that it had
 ///   null         channels that a mirror plane makes zero are zero, in prediction and reference
 /// and once: coverage, every planned case compared.
-/// @param predictor_of  how a named model predicts; tests seed their defects here
+/// @param models        those that the baseline was made of
+/// @param predictor_of  how a named model predicts; seeded defects come in here (odds.hpp)
 GateResult run_gate(const Baseline& baseline, const std::vector<case_record::CaseRecord>& records,
-                    const std::function<Predictor(const NamedModel&)>& predictor_of);
-GateResult run_gate(const Baseline& baseline, const std::vector<case_record::CaseRecord>& records);
+                    const std::vector<NamedModel>& models = gated_models(),
+                    const std::function<Predictor(const NamedModel&)>& predictor_of = predictor_of_choice);
 
-/// Cases solved again against the stored ones of the same name, channel by channel: apart by no more than twice their uncertainties of
-/// iteration, statistics and symmetry, or the tolerance at which a run stops, 0.3 % of C_D. (The mesh is the same.) A case that is not
-/// stored, or not usable now, fails.
-GateCheck check_solved_again(const std::vector<case_record::CaseRecord>& stored, const std::vector<case_record::CaseRecord>& solved);
+/// Cases solved again against the stored ones of the same name (a variant "seed-N" against the case on the usual mesh), channel by channel:
+/// apart by no more than twice their uncertainties of iteration, statistics and symmetry, the tolerance at which a run stops, 0.3 % of C_D,
+/// or five times the scatter over mesh seeds that the baseline has for the case. A case that is not stored, or not usable now, fails.
+/// @param budget  of C_D, in place of all that; 0: none
+/// @throws std::invalid_argument  a budget below the scatter between seeds: unchanged code would not keep it
+GateCheck check_solved_again(const Baseline& baseline, const std::vector<case_record::CaseRecord>& stored,
+                             const std::vector<case_record::CaseRecord>& solved, double budget = 0.0);
 
-/// One line per check, and a verdict.
-std::string render(const GateResult& result, bool colour = false);
-nlohmann::json to_json(const GateResult& result);
+/// How a result is written: for a terminal, for a pull request, for programs, for CI servers (JUnit's XML), and as GitHub's annotations.
+enum class GateFormat { table, markdown, json, junit, github };
+GateFormat gate_format_from(const std::string& word);  ///< "table", "md", "json", "junit", "github"; @throws std::invalid_argument
+
+/// One line, row, test case or annotation per check, and a verdict.
+/// @param colour  ANSI colour in GateFormat::table
+std::string render(const GateResult& result, GateFormat format = GateFormat::table, bool colour = false);
 
 }  // namespace compare

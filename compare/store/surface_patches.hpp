@@ -25,6 +25,10 @@ struct PatchMean {
   Eigen::Vector3d pressure_force = Eigen::Vector3d::Zero();        ///< integral of -C_p n dA, the pressure force / q [m^2]
 };
 
+/// The patch that a piece of the shape's surface belongs to, by its outward unit normal on flat sides, by its centre [m] on curved ones.
+/// Body frame.
+std::string patch_of(const dragcore::Shape& shape, const Eigen::Vector3d& centre, const Eigen::Vector3d& normal);
+
 /// The means over the whole body in order of name; a half model is mirrored first. Empty when the record has no surface sample.
 /// @throws std::runtime_error  when their pressure forces do not add up to `load_last.force_pressure` within 1e-3 of the force scale
 ///                             (the larger of that force and 0.05 q A_ref): sample and force are then not of the same flow field

@@ -136,6 +136,13 @@ std::vector<ErrorSummary> totals_of(const std::vector<ErrorRow>& rows) {
 
 }  // namespace
 
+std::string doubts_of(const dragcore::Validity& valid) {
+  std::string words;
+  for (unsigned bit = 1; bit <= valid.doubts; bit <<= 1)
+    if (valid.doubts & bit) words += (words.empty() ? "" : "; ") + to_string(static_cast<dragcore::Doubt>(bit));
+  return words;
+}
+
 std::string shape_label(const dragcore::Shape& shape) {
   std::string label = dragcore::kind(shape);
   for (const auto& [name, value] : dragcore::changed_parameters(shape)) label += fmt::format(" {}={:g}", name, value);
@@ -199,13 +206,6 @@ ErrorSummary summarise(const std::string& group, const std::vector<const ErrorRo
 }
 
 namespace {
-
-std::string doubts_of(const dragcore::Validity& valid) {
-  std::string words;
-  for (unsigned bit = 1; bit <= valid.doubts; bit <<= 1)
-    if (valid.doubts & bit) words += (words.empty() ? "" : "; ") + to_string(static_cast<dragcore::Doubt>(bit));
-  return words;
-}
 
 }  // namespace
 

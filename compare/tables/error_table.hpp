@@ -108,6 +108,9 @@ std::string render(const ErrorTable& table, Format format, bool colour = false);
 /// Both sides of every row with errors, uncertainty and units, HDF5 (docs/results.md).
 void write_comparison(const std::filesystem::path& path, const std::vector<ErrorTable>& tables);
 
+/// "low Reynolds number; smooth body"; empty where nothing is doubted.
+std::string doubts_of(const dragcore::Validity& validity);
+
 /// "plate span=2": kind of shape, with the parameters that differ from the defaults.
 std::string shape_label(const dragcore::Shape& shape);
 

@@ -151,6 +151,8 @@ TEST_CASE("what does not go together is refused", "[cfd_cases][matrix][hard]") {
              Contains("no multiple of the smallest cube"));
   CHECK_THAT(error_of("[[sweep]]\nshape = \"cube\"\nstart = \"nothing\"\n"), Contains("is no case of an earlier sweep"));
   CHECK_THAT(error_of("[[sweep]]\nshape = \"cube\"\ntime = { duration = 3, discard = 3 }\n"), Contains("must be below duration"));
+  CHECK_THAT(error_of("[[sweep]]\nshape = \"cube\"\ntime = { duration = 9 }\n"), Contains("k_omega_sst") && Contains("is steady"));
+  CHECK_THAT(error_of("[[sweep]]\nshape = \"cube\"\nmesh_seeds = 3\nvariant = \"mine\"\n"), Contains("seed-1, seed-2"));
 }
 
 TEST_CASE("two equal cases are refused, and the first one's line is named", "[cfd_cases][matrix][hard]") {
@@ -248,4 +250,15 @@ numerics = { turbulence_intensity = 0.02 }
   CHECK_THAT(error_of(lm + "mesher = \"polyhedra\"\n"), Contains("o_grid"));
   CHECK_THAT(error_of(lm + "turn_wind = true\nvariant = \"a\"\n"), Contains("leave out air, turn_wind and spin"));
   CHECK_THAT(error_of("[[sweep]]\nshape = \"cone\"\nmesher = \"o_grid\"\n"), Contains("not a cone"));
+}
+
+TEST_CASE("mesh_seeds makes a case of every seed, each a variant of its own and another mesh", "[cfd_cases][matrix][analytic]") {
+  const auto cases = parse_matrix("[[sweep]]\nshape = \"cube\"\nmesh = \"coarse\"\nmesh_seeds = 3\n", "seeds.toml").cases;
+  REQUIRE(cases.size() == 3);
+  for (int i = 0; i < 3; ++i) {
+    const auto& spec = cases[static_cast<std::size_t>(i)];
+    CHECK(spec.name == "cube_incidence-000_re-1e5_coarse_seed-" + std::to_string(i + 1));
+    CHECK(spec.recipe.seed == i + 1);
+  }
+  CHECK(cases[0].recipe.refinement == cases[2].recipe.refinement);
 }

@@ -2,11 +2,14 @@
 """The program as a user sees it: exit codes, messages without stack noise, nothing created or overwritten by mistake."""
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
+import xml.etree.ElementTree
 
 program, writer = sys.argv[1:3]
+SOURCE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../..")
 
 
 def run(*words, code):
@@ -214,7 +217,25 @@ with tempfile.TemporaryDirectory() as folder:
     run("baseline", "accept", code=2)
     run("baseline", "accept", "--reason", "first", code=0)
     assert json.loads(run("gate", "--json", code=0).stdout)["passed"]
-    assert "no difference" in run("baseline", "diff", code=0).stdout
+    assert "no difference" in run("baseline", "diff", "--all", code=0).stdout
+    assert "no error of a case that both have changes" in run("baseline", "diff", code=0).stdout
+    # A law of one's own has a baseline of its own, and its constants are watched.
+    law = open(os.path.join(SOURCE, "dragcore/laws/closed.toml")).read()
+    open("mine.toml", "w").write(law)
+    run("baseline", "accept", "--law", "mine.toml", "--baseline", "mine.json", "--reason", "a fork", code=0)
+    assert list(json.load(open("mine.json"))["models"]) == ["mine.toml"]
+    assert "gate passed" in run("gate", "--law", "mine.toml", "--baseline", "mine.json", code=0).stdout
+    open("mine.toml", "w").write(re.sub(r"(base_suction *= *)([0-9.]+)", lambda m: m[1] + str(1.1 * float(m[2])), law))
+    assert "mine.toml: case error" in run("gate", "--law", "mine.toml", "--baseline", "mine.json", code=1).stdout
+    changed = run("baseline", "diff", "--law", "mine.toml", "--baseline", "mine.json", code=0).stdout
+    assert "The largest changes" in changed and "mine.toml" in changed, changed
+    assert "not in the baseline" in run("gate", "--baseline", "mine.json", code=5).stdout
+    junit = xml.etree.ElementTree.fromstring(run("gate", "--format", "junit", code=0).stdout).find("testsuite")
+    assert int(junit.get("tests")) == len(junit.findall("testcase")) > 10 and junit.get("failures") == "0"
+    assert "gate passed" in run("gate", "--format", "md", code=0).stdout
+    assert "junit" in run("gate", "--format", "xml", code=2).stderr
+    assert "--solved" in run("gate", "--solved-budget", "1%", code=2).stderr
+    assert "dragval run seeds" in run("odds", "--solved", "cache", code=2).stderr
     baseline = json.load(open("results/baselines/quick.json"))
     some_case = baseline["planned"][0]
     baseline["models"]["note"]["cases"][some_case]["C_D"]["model"] += 1e-6

@@ -1,7 +1,8 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 
-#include "compare/gate/gate.hpp"
+#include "compare/gate/baseline_review.hpp"
+#include "compare/gate/odds.hpp"
 #include "tests/compare/sample_records.hpp"
 
 using Catch::Contains;
@@ -13,7 +14,7 @@ namespace {
 template <class Defect>
 compare::GateResult with_defect(const std::vector<CaseRecord>& records, Defect defect) {
   const auto baseline = compare::make_baseline(records, "test");
-  return compare::run_gate(baseline, records, [&](const compare::NamedModel& named) -> compare::Predictor {
+  return compare::run_gate(baseline, records, compare::gated_models(), [&](const compare::NamedModel& named) -> compare::Predictor {
     return [model = compare::predictor(named.choice), defect](const CaseRecord& record) { return defect(record, model); };
   });
 }
@@ -191,19 +192,19 @@ TEST_CASE("a reference that leans where symmetry forbids it turns the gate red",
 
 TEST_CASE("cases solved again agree within their uncertainty, or the gate says by how much they do not", "[compare][gate][regression]") {
   const auto records = sample::quick_tier();
-  CHECK(compare::check_solved_again(records, {records[0], records[4]}).passed);
+  CHECK(compare::check_solved_again({}, records, {records[0], records[4]}).passed);
   auto again = records[4];
   again.load.force_pressure.x() *= 1.05;  // its uncertainty is far below 5 %
-  const auto check = compare::check_solved_again(records, {again});
+  const auto check = compare::check_solved_again({}, records, {again});
   CHECK_FALSE(check.passed);
   CHECK_THAT(check.detail, Contains(again.name + " C_D"));
   again = records[4];
   again.status = case_record::Status::diverged;
-  CHECK_FALSE(compare::check_solved_again(records, {again}).passed);
+  CHECK_FALSE(compare::check_solved_again({}, records, {again}).passed);
   again = records[4];
   again.name = "another_medium";
-  CHECK_FALSE(compare::check_solved_again(records, {again}).passed);
-  CHECK_FALSE(compare::check_solved_again(records, {}).passed);  // nothing to look at
+  CHECK_FALSE(compare::check_solved_again({}, records, {again}).passed);
+  CHECK_FALSE(compare::check_solved_again({}, records, {}).passed);  // nothing to look at
 }
 
 TEST_CASE("a baseline comes back from its file, with all reasons", "[compare][gate][invariance]") {
@@ -246,4 +247,105 @@ TEST_CASE("a missing or broken baseline is an error that says what to do, and no
   CHECK_THROWS_WITH(compare::read_baseline(folder / "newer.json"), Contains("dragval baseline 7"));
   CHECK_THROWS_WITH(compare::make_baseline(sample::quick_tier(), ""), Contains("reason"));
   CHECK_THROWS_WITH(compare::make_baseline({}, "empty"), Contains("no usable case"));
+}
+
+TEST_CASE("every seeded defect that changes a coefficient turns the gate red, and unchanged code passes", "[compare][gate][regression]") {
+  const auto records = sample::quick_tier();
+  const compare::Odds odds = compare::gate_odds(compare::make_baseline(records, "test"), records, {});
+  CHECK(odds.unchanged_passes);
+  CHECK(odds.defects.size() >= 40);
+  int effective = 0;
+  for (const compare::DefectVerdict& verdict : odds.defects) {
+    INFO(verdict.where << ": " << verdict.name << ", " << verdict.coefficients << " coefficients");
+    // The samples have no concave body and no half model: what changes nothing there must not be called caught.
+    CHECK(verdict.caught == (verdict.coefficients > 0 || verdict.where == "baseline"));
+    effective += verdict.caught;
+  }
+  CHECK(effective >= 30);
+}
+
+TEST_CASE("solved again on meshes of other seeds: five times their scatter is allowed, a budget below it is refused",
+          "[compare][gate][analytic]") {
+  auto records = sample::quick_tier();
+  CaseRecord& cube = records[4];
+  cube.u_iteration.setZero(), cube.u_statistical.setZero();
+  const double q_area = compare::coefficient_scales(cube)[0], drag = cube.load.force().x() / q_area;
+  const auto with_seed = [&](int seed, double drag_change) {
+    CaseRecord run = cube;
+    run.name += "_seed-" + std::to_string(seed);
+    run.load.force_pressure.x() += drag_change * q_area;
+    return run;
+  };
+  // Six seeds above the judged ones, C_D off by -0.02 and +0.02 in turn: a standard deviation of 0.02 sqrt(6/5).
+  std::vector<CaseRecord> solved;
+  for (int i = 0; i < 6; ++i) solved.push_back(with_seed(compare::judged_seeds + 1 + i, i % 2 ? 0.02 : -0.02));
+  compare::Baseline baseline = compare::make_baseline(records, "test");
+  baseline.seed_scatter = compare::scatter_over_seeds(solved);
+  const double scatter = 0.02 * std::sqrt(1.2);
+  REQUIRE(baseline.seed_scatter.at(cube.name)[0] == Approx(scatter));
+  solved.resize(4);
+  CHECK(compare::scatter_over_seeds(solved).empty());               // too few to say
+  CHECK(compare::scatter_over_seeds({with_seed(1, 0.1)}).empty());  // a judged one
+  CHECK(compare::check_solved_again(baseline, records, {with_seed(1, 4.9 * scatter)}).passed);
+  CHECK_FALSE(compare::check_solved_again(baseline, records, {with_seed(1, 5.1 * scatter)}).passed);
+  CHECK_FALSE(compare::check_solved_again({}, records, {with_seed(1, 4.9 * scatter)}).passed);  // a baseline that knows no scatter
+  const double needed = 5.0 * scatter / drag;
+  CHECK(compare::check_solved_again(baseline, records, {with_seed(1, 4.9 * scatter)}, 1.01 * needed).passed);
+  CHECK_THROWS_WITH(compare::check_solved_again(baseline, records, {with_seed(1, 0.0)}, 0.99 * needed),
+                    Contains("--solved-budget") && Contains(cube.name) && Contains("unchanged code fails"));
+  // Judged one by one, and those that say the scatter are not.
+  const auto odds = compare::gate_odds(baseline, records, {with_seed(1, 0.0), with_seed(2, 6.0 * scatter), with_seed(101, 9.0 * scatter)});
+  CHECK(odds.repeats == 2);
+  REQUIRE(odds.false_alarms.size() == 1);
+  CHECK_THAT(odds.false_alarms[0], Contains("seed-2 C_D"));
+  CHECK_THROWS_WITH(compare::gate_odds({}, records, {}), Contains("without planned cases"));
+  CHECK(compare::seeded_name("cube_seed-7").seed == 7);
+  CHECK(compare::seeded_name("cube_seed-7b").seed == 0);
+  CHECK(compare::seeded_name("cube_seed-").base == "cube_seed-");
+}
+
+TEST_CASE("a review counts what gets better and worse, in u, and names the largest changes", "[compare][gate][analytic]") {
+  const auto records = sample::quick_tier();
+  auto better = records;
+  const double before = compare::make_baseline(records, "a").models.at("note").cases.at(records[0].name).at("C_D").model.value();
+  const double q_area = compare::coefficient_scales(records[0])[0];
+  better[0].load.force_pressure.x() = before * q_area - better[0].load.force_viscous.x();  // now the note is right about this one
+  better.pop_back();
+  const auto first = compare::make_baseline(records, "a"), second = compare::make_baseline(better, "b");
+  const compare::BaselineReview review = compare::review(first, second);
+  CHECK(review.cases_added == 0);
+  CHECK(review.cases_removed == 1);
+  CHECK(review.references_changed >= 1);
+  const auto group =
+      std::find_if(review.groups.begin(), review.groups.end(), [](const auto& g) { return g.model == "note" && g.channel == "C_D"; });
+  REQUIRE(group != review.groups.end());
+  CHECK(group->better == 1);
+  CHECK(group->better_by_2u == 1);
+  CHECK(group->worse == 0);
+  CHECK(group->rms_after < group->rms_before);
+  const auto change = std::find_if(review.largest.begin(), review.largest.end(), [&](const auto& c) {
+    return c.model == "note" && c.case_name == records[0].name && c.channel == "C_D";
+  });
+  REQUIRE(change != review.largest.end());
+  CHECK(change->error_after == Approx(0.0).margin(1e-12));
+  CHECK(change->growth_in_u() < -2.0);
+  CHECK_THAT(compare::render(review, compare::Format::table), Contains("1 removed") && Contains(records[0].name));
+  CHECK_THAT(compare::render(compare::review(first, first), compare::Format::markdown), Contains("no error"));
+  CHECK_THROWS_WITH(compare::render(review, compare::Format::csv), Contains("json"));
+}
+
+TEST_CASE("a gate's result for pull requests, CI servers and GitHub: every check, special characters escaped",
+          "[compare][gate][analytic]") {
+  compare::GateResult result;
+  result.planned = result.compared = 1;
+  result.checks = {{"note: signs", true, 3, "nearest <a> & \"b\""}, {"note: 5 % off, of it", false, 2, "x | y\n100 %"}};
+  using compare::GateFormat;
+  const std::string junit = compare::render(result, GateFormat::junit);
+  CHECK_THAT(junit, Contains("tests=\"2\" failures=\"1\"") && Contains("nearest &lt;a&gt; &amp; &quot;b&quot;") && Contains("<failure"));
+  const std::string github = compare::render(result, GateFormat::github);
+  CHECK_THAT(github, Contains("::error title=note%3A 5 %25 off%2C of it::x | y%0A100 %25") && Contains("gate failed: 1 of 2"));
+  CHECK_THAT(github, !Contains("signs"));
+  CHECK_THAT(compare::render(result, GateFormat::markdown), Contains("x \\| y") && Contains("1 checks passed"));
+  CHECK(compare::gate_format_from("junit") == GateFormat::junit);
+  CHECK_THROWS_WITH(compare::gate_format_from("xml"), Contains("junit"));
 }

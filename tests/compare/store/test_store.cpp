@@ -291,6 +291,20 @@ TEST_CASE("a half model has the patches of the whole body", "[compare][store][in
   }
 }
 
+TEST_CASE("a half model a few of whose faces reach over its symmetry plane is still that half", "[compare][store][regression]") {
+  // As snappyHexMesh leaves them: hemisphere at 110 degrees, one face of 439 by 0.2 % of the width; tetrahedron, three by 3 %.
+  CaseRecord half = halved(sample::record("case", dragcore::Cone{}, {.incidence = 0.4}), 1);
+  const std::size_t patches = compare::patch_means(half).size();
+  Eigen::Index nearest;
+  half.surface.centre.row(1).minCoeff(&nearest);
+  const double width = half.surface.centre.row(1).maxCoeff();
+  half.surface.centre(1, nearest) = -0.03 * width;
+  CHECK(compare::patch_means(half).size() == patches);
+  half.surface.centre(1, nearest) = -0.1 * width;
+  half.surface.centre(2, nearest) = -0.1 * width;
+  CHECK_THROWS_WITH(compare::patch_means(half), Contains("both sides"));
+}
+
 TEST_CASE("pressures that do not add up to the force are refused", "[compare][store][regression]") {
   CaseRecord record = sample::quick_tier()[0];
   record.load_last.force_pressure.z() += 0.002 * std::max(record.load_last.force_pressure.norm(), 0.1);
