@@ -170,7 +170,8 @@ void calibrate_stored(const BodyCalibration& wanted, const SourceOptions& source
   std::vector<CaseRecord> of_body;
   std::set<std::string> bodies;
   for (const CaseRecord& record : all) {
-    const std::string body = record.name.substr(0, record.name.find('_'));
+    std::string body = dragcore::kind(record.shape);  // as names of cases begin
+    for (const auto& [parameter, value] : dragcore::changed_parameters(record.shape)) body += fmt::format("-{}-{:g}", parameter, value);
     bodies.insert(body);
     if (body == wanted.stored && std::abs(std::log(record.reynolds / wanted.reynolds)) < 0.01) of_body.push_back(record);
   }
