@@ -30,6 +30,11 @@ struct CorrectedFlow {
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero(), torque_ = Eigen::Vector3d::Zero();  // about the centre
 };
 
+/// Adds the correction by triangle to what the law gives, force and torque about the reference point: a traction F/A + b x (r - centre), with
+/// b such that its torque is that of the correction.
+void add_spread_correction(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model,
+                           Eigen::Matrix<double, 6, Eigen::Dynamic>& by_triangle);
+
 /// @throws std::invalid_argument  for a surface or a medium that it was not found for
 void check_correction(const Correction& correction, const Surface& surface, const Medium& medium);
 

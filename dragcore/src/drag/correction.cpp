@@ -1,3 +1,4 @@
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -8,6 +9,7 @@
 #include "drag/relative_flow.hpp"
 #include "support/direction_sample.hpp"
 #include "support/require.hpp"
+#include "support/triangle_second_moment.hpp"
 
 namespace dragcore {
 
@@ -75,5 +77,29 @@ double CorrectedFlow::share(const Wrench& of_law) const {
 }
 
 Wrench CorrectedFlow::wrench(double share) const { return {share * force_, share * (torque_ + arm_.cross(force_))}; }
+
+void add_spread_correction(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model,
+                           Eigen::Matrix<double, 6, Eigen::Dynamic>& by_triangle) {
+  const Wrench of_law{by_triangle.topRows<3>().rowwise().sum(), by_triangle.bottomRows<3>().rowwise().sum()};
+  const Wrench whole = CorrectedFlow(surface, motion, medium, model).beside(of_law);
+  const Vector3d arm = surface.centre - motion.reference_point;
+  const auto from_centre = [&](Eigen::Index i) { return Vector3d(surface.centroid.row(i).matrix().transpose() - surface.centre); };
+  const auto moment_of = [&](Eigen::Index i) {  // of a triangle about its own centroid, per area
+    const Eigen::Matrix3d second =
+        triangle_second_moment(Vector3d(surface.edge_ab.row(i).matrix()), Vector3d(surface.edge_ac.row(i).matrix()));
+    return Eigen::Matrix3d(second.trace() * Eigen::Matrix3d::Identity() - second);
+  };
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  for (Eigen::Index i = 0; i < surface.size(); ++i) {
+    const Vector3d r = from_centre(i);
+    inertia += surface.area[i] * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose() + moment_of(i));
+  }
+  const Vector3d turn = inertia.ldlt().solve(Vector3d(whole.torque - arm.cross(whole.force)));
+  for (Eigen::Index i = 0; i < surface.size(); ++i) {
+    const Vector3d r = from_centre(i), force = surface.area[i] * (whole.force / surface.total_area + turn.cross(r));
+    by_triangle.col(i).head<3>() += force;
+    by_triangle.col(i).tail<3>() += (arm + r).cross(force) + surface.area[i] * (moment_of(i) * turn);
+  }
+}
 
 }  // namespace dragcore

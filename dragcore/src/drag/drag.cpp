@@ -1,4 +1,3 @@
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <dragcore/drag.hpp>
@@ -185,36 +184,6 @@ WrenchByTerm wrench(const Surface& surface, const Motion& motion, const Medium& 
   return taken;
 }
 
-namespace {
-
-/// The correction by triangle, force and torque about the reference point: a traction F/A + b x (r - centre), with b such that its torque
-/// is that of the correction.
-Eigen::Matrix<double, 6, Eigen::Dynamic> spread_correction(const Surface& surface, const Motion& motion, const Medium& medium,
-                                                           const Model& model, const Wrench& of_law) {
-  const Wrench whole = CorrectedFlow(surface, motion, medium, model).beside(of_law);
-  const Vector3d arm = surface.centre - motion.reference_point;
-  const auto moment_of = [&](Eigen::Index i) {  // of a triangle about its own centroid, per area
-    const Eigen::Matrix3d second =
-        triangle_second_moment(Vector3d(surface.edge_ab.row(i).matrix()), Vector3d(surface.edge_ac.row(i).matrix()));
-    return Eigen::Matrix3d(second.trace() * Eigen::Matrix3d::Identity() - second);
-  };
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
-  for (Eigen::Index i = 0; i < surface.size(); ++i) {
-    const Vector3d r = surface.centroid.row(i).matrix().transpose() - surface.centre;
-    inertia += surface.area[i] * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose() + moment_of(i));
-  }
-  const Vector3d turn = inertia.ldlt().solve(Vector3d(whole.torque - arm.cross(whole.force)));
-  Eigen::Matrix<double, 6, Eigen::Dynamic> spread(6, surface.size());
-  for (Eigen::Index i = 0; i < surface.size(); ++i) {
-    const Vector3d r = surface.centroid.row(i).matrix().transpose() - surface.centre;
-    const Vector3d force = surface.area[i] * (whole.force / surface.total_area + turn.cross(r));
-    spread.col(i) << force, (arm + r).cross(force) + surface.area[i] * (moment_of(i) * turn);
-  }
-  return spread;
-}
-
-}  // namespace
-
 TriangleForces triangle_forces(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
   check_input(surface, motion, medium, model);
   // Force, and torque about the reference point, of every triangle: apart until it is known how much of the second may be given.
@@ -242,8 +211,7 @@ TriangleForces triangle_forces(const Surface& surface, const Motion& motion, con
     }
   });
   if (balance.has_gain()) taken += balance.gain_share() * given;
-  if (is_corrected(model))
-    taken += spread_correction(surface, motion, medium, model, {taken.topRows<3>().rowwise().sum(), taken.bottomRows<3>().rowwise().sum()});
+  if (is_corrected(model)) add_spread_correction(surface, motion, medium, model, taken);
   check_result(taken.allFinite(), model);
   TriangleForces result;
   result.force = taken.topRows<3>();
