@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -49,8 +50,9 @@ struct Baseline {
   std::map<std::string, std::array<double, 6>> seed_scatter;  ///< case, channel: standard deviation of the coefficient over mesh seeds
 };
 
-/// How many standard deviations over mesh seeds two solutions of one case may lie apart.
-constexpr double seed_factor = 5.0;
+/// How far apart two solutions of one case on meshes of different seeds may lie, in standard deviations over seeds: five times that of a
+/// difference, which is sqrt(2) times that of a value.
+constexpr double seed_factor = 5.0 * std::numbers::sqrt2;
 
 /// A case on a mesh of another seed: "cube_re-1e5_coarse_seed-7" is the case "cube_re-1e5_coarse" with seed 7. Seed 0: any other name.
 struct SeededName {

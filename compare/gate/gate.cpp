@@ -207,10 +207,11 @@ GateCheck check_solved_again(const Baseline& baseline, const std::vector<CaseRec
     for (int k = 0; k < 6; ++k) {
       const double seeds = scatter == baseline.seed_scatter.end() ? 0.0 : seed_factor * scatter->second[static_cast<std::size_t>(k)];
       if (budget > 0.0 && budget * std::abs(was[0]) < seeds)
-        throw std::invalid_argument(fmt::format(
-            "--solved-budget {:g}: meshes of {} that differ in their seed alone are apart by {:.5f} in {} (five standard deviations), "
-            "{:.3g} of C_D; at least that is needed, or unchanged code fails",
-            budget, name, seeds, symbol(static_cast<Channel>(k)), seeds / std::abs(was[0])));
+        throw std::invalid_argument(
+            fmt::format("--solved-budget {:g}: meshes of {} that differ in their seed alone are apart by {:.5f} in {} (five standard "
+                        "deviations of a difference), "
+                        "{:.3g} of C_D; at least that is needed, or unchanged code fails",
+                        budget, name, seeds, symbol(static_cast<Channel>(k)), seeds / std::abs(was[0])));
       const double allowed = budget > 0.0 ? budget * std::abs(was[0]) : std::max({2.0 * u[k], stop_tolerance * std::abs(was[0]), seeds});
       tally.add(std::abs(now[k] - was[k]) / allowed, fmt::format("{} {} {:.5f}, stored {:.5f}, may be apart by {:.5f}", run.name,
                                                                  symbol(static_cast<Channel>(k)), now[k], was[k], allowed));

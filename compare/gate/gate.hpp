@@ -50,7 +50,7 @@ GateResult run_gate(const Baseline& baseline, const std::vector<case_record::Cas
 
 /// Cases solved again against the stored ones of the same name (a variant "seed-N" against the case on the usual mesh), channel by channel:
 /// apart by no more than twice their uncertainties of iteration, statistics and symmetry, the tolerance at which a run stops, 0.3 % of C_D,
-/// or five times the scatter over mesh seeds that the baseline has for the case. A case that is not stored, or not usable now, fails.
+/// or `seed_factor` times the scatter over mesh seeds that the baseline has for the case. A case that is not stored, or not usable now, fails.
 /// @param budget  of C_D, in place of all that; 0: none
 /// @throws std::invalid_argument  a budget below the scatter between seeds: unchanged code would not keep it
 GateCheck check_solved_again(const Baseline& baseline, const std::vector<case_record::CaseRecord>& stored,
