@@ -205,9 +205,12 @@ std::string snappy_fault(const dragcore::MeshBody& body, const MeshRecipe& recip
   if (symmetry != Symmetry::none) extent = {2.0 * extent.area, 2.0 * extent.volume};
   const double area = (shell ? 2.0 : 1.0) * body.measured.area;
   const double allowed = std::max(0.01, allowed_surface_error(body, recipe));
-  if (!(std::abs(extent.area - area) <= allowed * area))
-    return fmt::format("the wall has {:.6g} m2, but the {} {} has {:.6g} m2 (allowed error {:.2g})", extent.area,
-                       shell ? "two sides of the shell" : "closed body", body.name, area, allowed);
+  // Edges that cross the cubes at an angle are snapped with ridges, which add area, and no volume, with the size of the cells: 2.4 % on an
+  // L-bracket in an oblique pose on medium cells, 3.5 % on coarse ones, 1.4 times as large.
+  const double most = std::max(allowed, 0.03 * recipe.refinement), excess = extent.area / area - 1.0;
+  if (!(excess >= -allowed && excess <= most))
+    return fmt::format("the wall has {:.6g} m2, but the {} {} has {:.6g} m2 (allowed error -{:.2g} to {:.2g})", extent.area,
+                       shell ? "two sides of the shell" : "closed body", body.name, area, allowed, most);
   // A shell has none of its own: a layer of a hundredth of the body's scale on its area is what a closed opening would exceed by far.
   const double volume_scale = shell ? body.measured.area * body_scale(body) : body.measured.volume;
   if (!(std::abs(extent.volume - body.measured.volume) <= allowed * volume_scale))

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/calibration/calibration.hpp"
+#include "compare/cli/calibrate_body.hpp"
 #include "compare/cli/commands.hpp"
 
 namespace cli {
@@ -112,21 +113,51 @@ dragcore::LawFile law_on_file(const std::filesystem::path& file, const dragcore:
 
 }  // namespace
 
-void add_calibrate(CLI::App& app, Context&) {
+void add_calibrate(CLI::App& app, Context& context) {
   struct Options {
     SourceOptions source;
     bool json = false, class_laws = false, viscous = false;
     std::string write;
+    BodyCalibration body;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("calibrate", "Fit scale, base suction and the factor of each pillow form to the references");
-  command->footer("Example: dragval calibrate --store results/reference.h5");
+  command->footer(
+      "Examples: dragval calibrate --store results/reference.h5\n          dragval calibrate --mesh body.stl --unit mm --poses 12 --write "
+      "body.h5\n"
+      "One body (--mesh, --wind-tunnel, --stored) gets a law, a pillow and a map of what they miss: docs/calibrating.md.");
   add_source_options(*command, options->source);
   command->add_flag("--json", options->json, "Print JSON");
   command->add_flag("--class-laws", options->class_laws, "Fit the laws by class, sheet and closed, to the force vector instead (a minute)");
   command->add_flag("--viscous", options->viscous, "Fit the viscous terms of both laws by class to the force vectors below Re 200 instead");
-  command->add_option("--write", options->write, "With --class-laws or --viscous: folder for sheet.toml and closed.toml with what was found");
-  command->callback([options] {
+  command->add_option("--write", options->write,
+                      "With --class-laws or --viscous: folder for sheet.toml and closed.toml with what was found; of one body: file for "
+                      "its model, body.h5");
+  BodyCalibration& body = options->body;
+  CLI::Option* mesh = command->add_option("--mesh", body.mesh, "One body: STL or OBJ, solved in --poses by OpenFOAM");
+  command->add_option("--unit", body.unit, "Of the mesh: mm, cm, m, in, ft, or its size in metres")->needs(mesh);
+  command->add_option(
+      "--wind-tunnel", body.table,
+      "One body from a table of measurements instead: the columns of `dragval import`; its shape may be the file name of --mesh");
+  command->add_option("--stored", body.stored, "One body from stored references: cube, cone-apex_angle_deg-60, ...");
+  command->add_option("--poses", body.poses, "Directions of the wind to begin with")->check(CLI::Range(3, 200))->capture_default_str();
+  command->add_option("--more", body.more, "So many more, where the map is least sure")->check(CLI::Range(1, 200));
+  command->add_option("--reynolds", body.reynolds, "On the reference length")->check(CLI::Range(0.1, 1e9))->capture_default_str();
+  command->add_option("--area", body.area, "A_ref of the mesh [m^2] (default: its largest silhouette along an axis)")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--length", body.length, "L_ref of the mesh [m] (default: the root of the area)")->check(CLI::PositiveNumber);
+  command->add_option("--levels", body.levels, "Meshes of every pose; from two on the error of the mesh is in u")->capture_default_str();
+  command->add_option("-j,--jobs", body.jobs, "Cases side by side")->check(CLI::Range(1, 1000));
+  command->add_flag("--retry-failed", body.retry_failed, "Solve cases that failed, diverged or drifted once more");
+  command->add_flag("--dry-run", body.dry_run, "Say what would be solved and what it would cost, and end");
+  command->callback([options, &context] {
+    if (options->body.wanted()) {
+      if (options->json || options->class_laws || options->viscous)
+        throw UsageError("--json, --class-laws and --viscous are not of one body");
+      options->body.write = options->write;
+      if (!options->source.cache.empty()) options->body.cache = options->source.cache;
+      return calibrate_body(options->body, options->source, context);
+    }
     if (options->class_laws && options->viscous) throw UsageError("--class-laws and --viscous are two fits: one after the other");
     if (!options->write.empty() && !options->class_laws && !options->viscous)
       throw UsageError("--write belongs to --class-laws and --viscous");

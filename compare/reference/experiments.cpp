@@ -76,7 +76,8 @@ struct Line {
   }
 };
 
-dragcore::Shape shape_of(const Line& line) {
+dragcore::Shape shape_of(const Line& line, const std::optional<dragcore::MeshBody>& body) {
+  if (body && line.text("shape") == body->name) return *body;
   std::map<std::string, double> parameters;
   std::istringstream words(line.text("parameters"));
   for (std::string word; words >> word;) {
@@ -94,14 +95,14 @@ dragcore::Shape shape_of(const Line& line) {
   }
 }
 
-CaseRecord record_from(const Line& line) {
+CaseRecord record_from(const Line& line, const std::optional<dragcore::MeshBody>& body) {
   constexpr double deg = std::numbers::pi / 180.0;
   CaseRecord record;
   record.source = line.text("source");
   if (record.source.empty()) line.fail("source is empty; a key of references.bib is needed, or where you measured it");
   record.flow_model = CaseRecord::experiment;
   record.description = nlohmann::json(line.cells).dump();
-  record.shape = shape_of(line);
+  record.shape = shape_of(line, body);
   record.pose = {.incidence = deg * line.number("incidence_deg").value_or(0.0),
                  .yaw = deg * line.number("yaw_deg").value_or(0.0),
                  .roll = deg * line.number("roll_deg").value_or(0.0)};
@@ -134,7 +135,7 @@ CaseRecord record_from(const Line& line) {
 
 }  // namespace
 
-std::vector<CaseRecord> read_experiments(std::string_view csv, const std::string& file) {
+std::vector<CaseRecord> read_experiments(std::string_view csv, const std::string& file, const std::optional<dragcore::MeshBody>& body) {
   std::vector<CaseRecord> records;
   std::vector<std::string> names;
   std::istringstream lines{std::string(csv)};
@@ -153,7 +154,7 @@ std::vector<CaseRecord> read_experiments(std::string_view csv, const std::string
     Line line = blank;
     for (std::size_t i = 0; i < names.size(); ++i)
       if (!cells[i].empty()) line.cells[names[i]] = cells[i];
-    records.push_back(record_from(line));
+    records.push_back(record_from(line, body));
   }
   if (records.empty()) throw std::invalid_argument(file + ": no measurement; a line of column names and one line each are needed");
   return records;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,7 +20,9 @@ namespace compare {
 ///
 /// A channel that is left empty is known where symmetry makes it zero, and else is not. Names and keys are left to whoever stores them.
 /// @param file  for messages
+/// @param body  a body given by triangles, that `shape` may name
 /// @throws std::invalid_argument  with file, line, what was found and what is needed
-std::vector<case_record::CaseRecord> read_experiments(std::string_view csv, const std::string& file);
+std::vector<case_record::CaseRecord> read_experiments(std::string_view csv, const std::string& file,
+                                                      const std::optional<dragcore::MeshBody>& body = {});
 
 }  // namespace compare

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <dragcore/correction.hpp>
 #include <dragcore/effects.hpp>
 #include <dragcore/law.hpp>
 #include <dragcore/pillow.hpp>
 #include <dragcore/surface.hpp>
 #include <dragcore/wrench.hpp>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -60,6 +62,8 @@ struct Model {
   /// Of parts of class `sheet`, where a mesh has both sheets and bodies. Empty: as the others.
   std::optional<SheetModel> sheets{};
   Precision precision = Precision::full;
+  /// What one body was found to feel beyond the law, of a calibration (calibrated_file.hpp). Null: nothing is known.
+  std::shared_ptr<const Correction> correction{};
 
   const Law& law_of(BodyClass body_class) const { return sheets && body_class == BodyClass::sheet ? sheets->law : law; }
   const Pillow& pillow_of(BodyClass body_class) const { return sheets && body_class == BodyClass::sheet ? sheets->pillow : pillow; }
@@ -96,7 +100,8 @@ struct TriangleForces {
   Eigen::Matrix3Xd force, torque;
 };
 
-/// The parts whose sums are wrench(...).total() to the rounding of its precision; always in double themselves: for deforming bodies, for drawing, for finding where a load comes from.
+/// The parts whose sums are wrench(...).total() to the rounding of its precision; always in double themselves: for deforming bodies, for
+/// drawing, for finding where a load comes from. A correction knows no triangles: it is spread as a traction that is linear in place.
 /// @throws std::invalid_argument  as wrench()
 TriangleForces triangle_forces(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model);
 

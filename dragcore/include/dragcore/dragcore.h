@@ -24,6 +24,7 @@ typedef enum dragcore_status {
 
 typedef struct dragcore_mesh dragcore_mesh;       /* triangles over shared vertices [m] */
 typedef struct dragcore_surface dragcore_surface; /* a mesh prepared for drag */
+typedef struct dragcore_correction dragcore_correction; /* what one body was found to feel beyond its law: dragcore/correction.hpp */
 typedef struct dragcore_baked dragcore_baked;     /* force and torque of a surface by a model, over direction */
 typedef struct dragcore_wind dragcore_wind;       /* wind fields in the world */
 
@@ -71,7 +72,7 @@ typedef enum dragcore_falloff { DRAGCORE_FALLOFF_CIRCULAR = 0, DRAGCORE_FALLOFF_
 /* Of the sum over the triangles: enum class Precision in dragcore/drag.hpp. */
 typedef enum dragcore_precision { DRAGCORE_PRECISION_FULL = 0, DRAGCORE_PRECISION_SINGLE = 1 } dragcore_precision;
 
-#define DRAGCORE_ALL_EFFECTS 1023u /* bits of enum Effect in dragcore/effects.hpp */
+#define DRAGCORE_ALL_EFFECTS 2047u /* bits of enum Effect in dragcore/effects.hpp */
 
 typedef struct dragcore_model {
   dragcore_law law;
@@ -87,6 +88,7 @@ typedef struct dragcore_model {
   double sheet_pillow_factor;
   int sheet_falloff;
   double pillow_viscous_gain, sheet_pillow_viscous_gain; /* where motion.viscosity is not 0 */
+  const dragcore_correction* correction;                 /* of dragcore_calibrated_read(); NULL: none. Not owned */
 } dragcore_model;
 
 typedef struct dragcore_wrench {
@@ -105,6 +107,8 @@ dragcore_model dragcore_note_model(void);
 
 /* "note", "consistent", "sheet" or "closed". */
 dragcore_status dragcore_named_law(const char* name, dragcore_law* law);
+
+void dragcore_correction_destroy(dragcore_correction* correction); /* NULL is fine; of models in use by nobody */
 
 /* What validation found best for the class of a surface: law, pillow, three points. */
 dragcore_status dragcore_model_for(const dragcore_surface* surface, dragcore_model* model);

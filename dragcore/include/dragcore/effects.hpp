@@ -17,9 +17,10 @@ enum class Effect : unsigned {
   spin = 1u << 7,            ///< velocities of points differ by omega x r
   wind_variation = 1u << 8,  ///< the wind's gradient, or its values per triangle
   viscous = 1u << 9,         ///< Stokes' resistance and the boundary layer in place of `friction`, where the viscosity is known
+  correction = 1u << 10,     ///< what one body was found to feel beyond the law: Correction
 };
 
-inline constexpr unsigned effect_count = 10;
+inline constexpr unsigned effect_count = 11;
 
 /// A set of effects.
 class Effects {

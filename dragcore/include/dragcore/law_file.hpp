@@ -29,6 +29,9 @@ LawFile read_law(const std::filesystem::path& file);
 ///                             value needed
 LawFile parse_law(std::string_view text, const std::string& name_for_messages);
 
+/// The text of a file: what write_law() writes. @throws std::invalid_argument  as that
+std::string law_text(const LawFile& law);
+
 /// Writes the name, every number that differs from its default in the shortest form that reads back to the same bits, and the provenance;
 /// under a temporary name beside the file, then renamed. The comments of a file that was there are lost.
 /// @throws std::invalid_argument  a law that validate() refuses or that has no name, text that is not UTF-8

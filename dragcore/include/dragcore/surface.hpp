@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cmath>
 #include <dragcore/body_class.hpp>
 #include <dragcore/mesh.hpp>
@@ -50,6 +51,11 @@ struct Part {
   CreepingResistance creeping{};
 };
 
+/// Shape and axes of a surface whatever its size, place and triangulation: the second moments (xx, xy, xz, yy, yz, zz) and third moments
+/// (xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz) of its area about its centre, over area and powers of radius, and its volume over
+/// area and radius.
+using ShapeMoments = std::array<double, 17>;
+
 /// A mesh prepared once for any number of evaluations. Its members are to be read: what depends on them is made with them, `packed` above
 /// all. Who changes one must `packed.reset()`, and has every sum in double precision from then on.
 /// Triangles as structure of arrays (one column per component, contiguous).
@@ -95,6 +101,7 @@ class Surface {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< centroid of the area [m]
   double radius = 0.0;                               ///< from `centre` to the farthest corner [m]
   BodyClass body_class = BodyClass::sheet;           ///< of the part with the largest area
+  ShapeMoments shape_moments{};                      ///< what tells this body from others
 
   std::shared_ptr<const kernels::PackedSurface> packed;  ///< all this as the kernels want it; null where the library has none
 
@@ -106,6 +113,7 @@ class Surface {
   void find_parts();
   void find_creeping_resistance();
   void find_classes();
+  void find_shape_moments();
   void find_regions(const Triangles& triangles, const EdgeTable& edges);
 };
 

@@ -21,6 +21,7 @@ enum class Doubt : unsigned {
   smooth_body = 1u << 7,    ///< a round body: where it separates, the law does not know; and near its drag crisis nobody does
   uneven_wind = 1u << 8,    ///< the wind varies over the body by more than a third of the speed
   drag_crisis = 1u << 9,    ///< a round body above Re 2e5 in a medium of known viscosity: its drag may fall to a quarter
+  not_calibrated = 1u << 10,  ///< the model has a correction that was found at a Reynolds number more than a factor of three away
 };
 
 /// Whether a force is within what the model was fitted to, and why not.

@@ -26,6 +26,7 @@ enum class Term {
   rear_recovery,      ///< on leeward faces: pushes upstream
   curvature,          ///< suction on windward faces that curve along the flow
   friction,           ///< and all that is viscous: the boundary layer, and Stokes' resistance with the pressure it has a share of
+  correction,         ///< what this body was found to feel beyond its law: Correction
   count
 };
 

@@ -56,19 +56,15 @@ class Truth {
   Model model_;
 };
 
-void set_row(DirectionMap& map, int node, int column, const Vector6d& value) {
-  Eigen::Map<Eigen::Matrix<float, 8, 1>> row(map.values.data() + 8 * (static_cast<std::size_t>(node) * map.columns + column));
-  row.head<3>() = value.head<3>().cast<float>(), row.segment<3>(4) = value.tail<3>().cast<float>();
-}
-
 /// @param rows  of a direction: as many as `columns`
 DirectionMap sampled(int frequency, int columns, const std::function<std::vector<Vector6d>(const Vector3d&)>& rows) {
-  DirectionMap map{frequency, columns, {}};
-  const int nodes = map.side() * map.side();
-  map.values.assign(8u * static_cast<std::size_t>(nodes) * columns, 0.0f);
-  for (int node = 0; node < nodes; ++node) {
+  DirectionMap map = DirectionMap::zero(frequency, columns);
+  for (int node = 0; node < map.nodes(); ++node) {
     const std::vector<Vector6d> found = rows(map.direction(node));
-    for (int column = 0; column < columns; ++column) set_row(map, node, column, found[static_cast<std::size_t>(column)]);
+    for (int column = 0; column < columns; ++column) {
+      const Vector6d& one = found[static_cast<std::size_t>(column)];
+      map.set(node, column, one.head<3>(), one.tail<3>());
+    }
   }
   return map;
 }
@@ -172,6 +168,7 @@ std::uint64_t hash_of(const Model& model) {
   add(hash, model.law, model.pillow);
   if (model.sheets) add(hash, model.sheets->law, model.sheets->pillow);
   hash.add(std::uint64_t{model.effects.bits()});
+  if (model.correction) hash.add_all(model.correction->map.values);
   return hash.value();
 }
 
@@ -203,6 +200,7 @@ std::string described(const Law& law, const Pillow& pillow) {
 std::string described(const Model& model) {
   std::string text = described(model.law, model.pillow);
   if (model.sheets) text += "; on sheets " + described(model.sheets->law, model.sheets->pillow);
+  if (model.correction) text += "; correction of " + model.correction->origin;
   if (model.effects != Effects::all()) text += "; effects " + std::to_string(model.effects.bits());
   return text;
 }

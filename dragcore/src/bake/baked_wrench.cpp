@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "support/direction_sample.hpp"
 #include "support/require.hpp"
 
 namespace dragcore {
@@ -21,30 +22,10 @@ using Row = Eigen::Array<float, 8, 1>;
 // Square of a speed [m^2/s^2] below which nothing moves: what it does is no normal number.
 constexpr double still = 1e-280;
 
-/// 1, or -1 of what has a minus.
-int sign(double x) { return 1 - 2 * static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 63); }
-
-/// @param direction  any length; the sum of the absolute components must be a normal number
-[[gnu::always_inline]] inline DirectionMap::Sample sample(const DirectionMap& map, const Vector3d& direction) {
-  // Without branches: directions are often random, and a branch guessed wrong costs more than all of this.
-  const double scale = map.frequency / (std::abs(direction.x()) + std::abs(direction.y()) + std::abs(direction.z()));
-  // The lower half is folded out over the diagonals of the square, on which z = 0: (x, y) -> (1 - y, 1 - x).
-  const double fold = 0.5 * (std::abs(direction.z()) - direction.z());
-  const double across = scale * (std::abs(direction.x()) + fold), up = scale * (std::abs(direction.y()) + fold);
-  const int i = std::min(static_cast<int>(across), map.frequency - 1), j = std::min(static_cast<int>(up), map.frequency - 1);
-  const float a = static_cast<float>(across - i), b = static_cast<float>(up - j);
-  // Cells are cut along the same diagonals, so that no triangle lies on both sides of z = 0. Its third corner is the one to which `rest`
-  // belongs: the cell's inner one, or, where `rest` is negative, the outer one.
-  const float rest = 1.0f - a - b, beyond = std::min(rest, 0.0f);
-  const int column = sign(direction.x()), row = map.side() * sign(direction.y());
-  const int corner = map.frequency * (map.side() + 1) + i * column + j * row;
-  return {{corner + (rest < 0.0f) * (column + row), corner + column, corner + row}, {std::abs(rest), a + beyond, b + beyond}};
-}
-
 /// Sum over the rows of each node times their factors, interpolated.
 template <std::size_t Rows>
 Row weighted(const DirectionMap& map, const Vector3d& direction, const std::array<float, Rows>& factor) {
-  const DirectionMap::Sample at = sample(map, direction);
+  const DirectionMap::Sample at = direction_sample(map, direction);
   Row sum = Row::Zero();
   for (int corner = 0; corner < 3; ++corner) {
     const float* rows = map.row(at.node[corner], 0);
@@ -187,7 +168,7 @@ class Block {
     return good;
   }
 
-  /// As sample().
+  /// As direction_sample().
   static void locate(const DirectionMap& map, const Lanes* direction, Samples& at) {
     const int side = map.side(), last = map.frequency - 1, centre = map.frequency * (side + 1);
     const float frequency = static_cast<float>(map.frequency);

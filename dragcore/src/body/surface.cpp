@@ -214,6 +214,7 @@ void Surface::build(const Preparation& preparation) {
   find_creeping_resistance();
   find_regions(triangles, edges);
   find_classes();
+  find_shape_moments();
   const bool some_two = std::any_of(parts.begin(), parts.end(), [](const Part& p) { return p.two_sided; });
   const bool some_one = std::any_of(parts.begin(), parts.end(), [](const Part& p) { return !p.two_sided; });
   sides = count == 0 ? Sides::one : some_two && some_one ? Sides::automatic : some_two ? Sides::two : Sides::one;
@@ -346,6 +347,33 @@ void Surface::find_creeping_resistance() {
     creeping.centre = parts[p].centre + off;
     dragcore::find_creeping_resistance(second[p] / creeping.wetted - off * off.transpose(), creeping);
   }
+}
+
+void Surface::find_shape_moments() {
+  shape_moments = {};
+  if (!(total_area > 0.0) || !(radius > 0.0)) return;
+  for (Eigen::Index i = 0; i < size(); ++i) {
+    const Vector3d ab = edge_ab.row(i).matrix() / radius, ac = edge_ac.row(i).matrix() / radius;
+    const Vector3d middle = (centroid.row(i).matrix().transpose() - centre) / radius;
+    const std::array corners{Vector3d(middle - (ab + ac) / 3.0), Vector3d(middle + (2.0 * ab - ac) / 3.0),
+                             Vector3d(middle + (2.0 * ac - ab) / 3.0)};
+    const double share = area[i] / total_area;
+    // Exact to degree 3: the centroid, the middles of the edges and the corners, 27, 8 and 3 sixtieths.
+    const auto add = [&](const Vector3d& r, double weight) {
+      std::size_t k = 0;
+      for (Eigen::Index a = 0; a < 3; ++a)
+        for (Eigen::Index b = a; b < 3; ++b) shape_moments[k++] += weight * r[a] * r[b];
+      for (Eigen::Index a = 0; a < 3; ++a)
+        for (Eigen::Index b = a; b < 3; ++b)
+          for (Eigen::Index c = b; c < 3; ++c) shape_moments[k++] += weight * r[a] * r[b] * r[c];
+    };
+    add(middle, share * 27.0 / 60.0);
+    for (std::size_t k = 0; k < 3; ++k) {
+      add(corners[k], share * 3.0 / 60.0);
+      add(0.5 * (corners[k] + corners[(k + 1) % 3]), share * 8.0 / 60.0);
+    }
+  }
+  shape_moments.back() = volume / (total_area * radius);
 }
 
 /// Smooth components, and of every triangle the region around it.

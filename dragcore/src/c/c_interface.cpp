@@ -30,24 +30,6 @@ dragcore_law law_from(const dragcore::Law& law) {
   return numbers;
 }
 
-dragcore_model model_from(const dragcore::Model& model) {
-  const dragcore::SheetModel sheets = model.sheets.value_or(dragcore::SheetModel{model.law, model.pillow});
-  return {.law = law_from(model.law),
-          .pillow = static_cast<int>(model.pillow.form),
-          .pillow_factor = model.pillow.factor,
-          .falloff = static_cast<int>(model.pillow.falloff),
-          .quadrature = static_cast<int>(model.quadrature),
-          .effects = model.effects.bits(),
-          .precision = static_cast<int>(model.precision),
-          .sheets = model.sheets.has_value(),
-          .sheet_law = law_from(sheets.law),
-          .sheet_pillow = static_cast<int>(sheets.pillow.form),
-          .sheet_pillow_factor = sheets.pillow.factor,
-          .sheet_falloff = static_cast<int>(sheets.pillow.falloff),
-          .pillow_viscous_gain = model.pillow.viscous_gain,
-          .sheet_pillow_viscous_gain = sheets.pillow.viscous_gain};
-}
-
 dragcore::Pillow pillow_of(int form, double factor, int falloff, double viscous_gain) {
   if (form < DRAGCORE_PILLOW_NONE || form > DRAGCORE_PILLOW_ECCENTRICITY)
     throw std::invalid_argument("pillow = " + std::to_string(form) + ", but it must be one of enum dragcore_pillow, 0 to 4");
@@ -104,6 +86,25 @@ Law law_of(const dragcore_law& given) {
   return law;
 }
 
+dragcore_model model_from(const dragcore::Model& model) {
+  const dragcore::SheetModel sheets = model.sheets.value_or(dragcore::SheetModel{model.law, model.pillow});
+  return {.law = law_from(model.law),
+          .pillow = static_cast<int>(model.pillow.form),
+          .pillow_factor = model.pillow.factor,
+          .falloff = static_cast<int>(model.pillow.falloff),
+          .quadrature = static_cast<int>(model.quadrature),
+          .effects = model.effects.bits(),
+          .precision = static_cast<int>(model.precision),
+          .sheets = model.sheets.has_value(),
+          .sheet_law = law_from(sheets.law),
+          .sheet_pillow = static_cast<int>(sheets.pillow.form),
+          .sheet_pillow_factor = sheets.pillow.factor,
+          .sheet_falloff = static_cast<int>(sheets.pillow.falloff),
+          .pillow_viscous_gain = model.pillow.viscous_gain,
+          .sheet_pillow_viscous_gain = sheets.pillow.viscous_gain,
+          .correction = nullptr};
+}
+
 Model model_of(const dragcore_model& m) {
   if (m.quadrature != 0 && m.quadrature != 1 && m.quadrature != 3 && m.quadrature != 6)
     throw std::invalid_argument("quadrature = " + std::to_string(m.quadrature) + ", but it must be 1, 3 or 6, or 0 for adaptive");
@@ -121,6 +122,7 @@ Model model_of(const dragcore_model& m) {
         law_of(m.sheet_law), pillow_of(m.sheet_pillow, m.sheet_pillow_factor, m.sheet_falloff, m.sheet_pillow_viscous_gain)};
   for (unsigned bit = 1; bit < DRAGCORE_ALL_EFFECTS; bit <<= 1)
     if (m.effects & bit) model.effects = model.effects | static_cast<dragcore::Effect>(bit);
+  if (m.correction) model.correction = m.correction->correction;
   return model;
 }
 
@@ -129,6 +131,8 @@ Model model_of(const dragcore_model& m) {
 extern "C" {
 
 static_assert(DRAGCORE_ALL_EFFECTS == dragcore::Effects::all().bits());
+
+void dragcore_correction_destroy(dragcore_correction* correction) { delete correction; }
 
 dragcore_model dragcore_note_model(void) { return model_from({}); }
 

@@ -7,6 +7,7 @@
 #include <dragcore/stepping.hpp>
 #include <dragcore/wind.hpp>
 #include <exception>
+#include <memory>
 #include <stdexcept>
 #include <string>
 
@@ -18,6 +19,10 @@ struct dragcore_mesh {
 
 struct dragcore_surface {
   dragcore::Surface surface;
+};
+
+struct dragcore_correction {
+  std::shared_ptr<const dragcore::Correction> correction;
 };
 
 struct dragcore_baked {
@@ -116,6 +121,7 @@ Law law_of(const dragcore_law& law);
 
 /// @throws std::invalid_argument  for numbers that are in no enumeration
 Model model_of(const dragcore_model& model);
+dragcore_model model_from(const Model& model);  ///< without a correction, which C must keep
 
 /// @throws std::invalid_argument  for NULL; indices are checked by whoever takes the mesh
 TriangleMesh mesh_of(const double* vertices, size_t vertex_count, const int* triangles, size_t triangle_count);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "drag/check.hpp"
+#include "drag/corrected_flow.hpp"
 #include "drag/energy_balance.hpp"
 #include "drag/fast_wrench.hpp"
 #include "drag/folded_model.hpp"
@@ -75,6 +76,7 @@ void check_input(const Surface& surface, const Motion& motion, const Medium& med
   require(given == 0 || given == static_cast<std::size_t>(surface.size()), "wrench: entries of motion.triangle_wind", given,
           [&] { return "the surface has " + std::to_string(surface.size()) + " triangles (degenerate ones are dropped)"; });
   check_input(motion, medium, model);
+  if (model.check && is_corrected(model)) check_correction(*model.correction, surface, medium);
 }
 
 void check_result(bool finite, const Model& model) {
@@ -97,6 +99,8 @@ std::string to_string(Term term) {
       return "curvature";
     case Term::friction:
       return "friction";
+    case Term::correction:
+      return "correction";
     case Term::count:
       break;
   }
@@ -125,6 +129,8 @@ std::string to_string(Effect effect) {
       return "wind variation";
     case Effect::viscous:
       return "viscous terms";
+    case Effect::correction:
+      return "correction";
   }
   throw std::invalid_argument("not an effect");
 }
@@ -172,6 +178,7 @@ WrenchByTerm wrench(const Surface& surface, const Motion& motion, const Medium& 
   check_input(surface, motion, medium, model);
   WrenchByTerm taken;
   if (!fast_wrench(surface, motion, medium, model, taken)) taken = full_wrench(surface, motion, medium, model);
+  if (is_corrected(model)) taken[Term::correction] = CorrectedFlow(surface, motion, medium, model).beside(taken.total());
   const Wrench total = taken.total();
   check_result(total.force.allFinite() && total.torque.allFinite(), model);
   return taken;
@@ -204,6 +211,7 @@ TriangleForces triangle_forces(const Surface& surface, const Motion& motion, con
     }
   });
   if (balance.has_gain()) taken += balance.gain_share() * given;
+  if (is_corrected(model)) add_spread_correction(surface, motion, medium, model, taken);
   check_result(taken.allFinite(), model);
   TriangleForces result;
   result.force = taken.topRows<3>();

@@ -87,6 +87,7 @@ const FoldedModel& FoldedModel::of(const Model& model) {
     }
   latest = (latest + 1) % known.size();
   known[latest] = {model, fold(model), true};
+  known[latest].model.correction.reset();  // not looked at here, and not to be kept alive
   return known[latest].folded;
 }
 

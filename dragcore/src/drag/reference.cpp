@@ -1,9 +1,11 @@
 // The model, equation by equation, in double precision. Slow on purpose: every quantity is made where it is used.
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <cmath>
 #include <dragcore/descriptors.hpp>
 #include <dragcore/drag.hpp>
+#include <limits>
 #include <numbers>
 
 #include "drag/check.hpp"
@@ -13,6 +15,51 @@ namespace dragcore::reference {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+
+namespace {
+
+/// A map at a direction: found among all its triangles, the one that holds the direction.
+Eigen::Matrix<double, 6, 1> interpolated(const DirectionMap& map, const Vector3d& direction) {
+  const Vector3d d = direction / direction.lpNorm<1>();
+  const auto corner = [&](int node) {
+    const Vector3d unit = map.direction(node);
+    return Vector3d(unit / unit.lpNorm<1>());  // on the octahedron, where the map is linear
+  };
+  Eigen::Matrix<double, 6, 1> sum = Eigen::Matrix<double, 6, 1>::Zero();
+  double nearest = -1.0;
+  const int n = map.side();
+  const auto try_triangle = [&](int a, int b, int c) {
+    Matrix3d corners;
+    corners << corner(a), corner(b), corner(c);
+    const Vector3d weight = corners.fullPivLu().solve(d);
+    // The triangle whose smallest weight is the largest: rounding may leave it below 0 on an edge.
+    if (!(std::abs(corners.determinant()) > 0.0) || !(weight.minCoeff() > nearest)) return;
+    nearest = weight.minCoeff();
+    sum.setZero();
+    int k = 0;
+    for (const int node : {a, b, c}) {
+      const float* row = map.row(node, 0);
+      for (int channel = 0; channel < 3; ++channel)
+        sum[channel] += weight[k] * double{row[channel]}, sum[3 + channel] += weight[k] * double{row[4 + channel]};
+      ++k;
+    }
+  };
+  // The square's cells are cut across along the diagonals around its middle: quadrants of one sign of i j one way, the others the other.
+  for (int j = 0; j + 1 < n; ++j)
+    for (int i = 0; i + 1 < n; ++i) {
+      const int at = i + j * n, right = at + 1, up = at + n, across = up + 1;
+      if ((i < map.frequency) == (j < map.frequency)) {
+        try_triangle(at, right, up);
+        try_triangle(across, right, up);
+      } else {
+        try_triangle(at, right, across);
+        try_triangle(at, up, across);
+      }
+    }
+  return sum;
+}
+
+}  // namespace
 
 WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion& motion, const Medium& medium, const Model& model) {
   const Surface surface(mesh, sides);  // for its planar patches and its curvature
@@ -204,6 +251,23 @@ WrenchByTerm wrench(const TriangleMesh& mesh, Surface::Sides sides, const Motion
     for (std::size_t term = 0; term < takes.terms.size(); ++term)
       takes.terms[term] += {share * gives.terms[term].force, share * gives.terms[term].torque};
   }
+
+  // Eq. 18: what this body was found to feel besides, by the directions of the map around that of the flow.
+  if (!model.correction || !model.effects.has(Effect::correction)) return takes;
+  Vector3d u = Vector3d::Zero();
+  for (Eigen::Index i = 0; i < surface.size(); ++i)
+    u += surface.area[i] / surface.total_area * u_in(wind_at(static_cast<std::size_t>(i)), surface.centre);
+  const double travel = u.squaredNorm(), turned = variation * surface.radius;
+  if (!(travel > 0.0)) return takes;
+  const Eigen::Matrix<double, 6, 1> found = interpolated(model.correction->map, u);
+  const double scale = 0.5 * medium.density * travel * surface.total_area * travel / (travel + turned * turned);
+  const Vector3d force = scale * found.head<3>(), couple = scale * surface.radius * found.tail<3>(), arm = surface.centre - r_0;
+  const Wrench law = takes.total();
+  const Vector3d turning = -0.5 * curl;  // of the body relative to the air
+  const double braked = law.force.dot(u) - (law.torque - arm.cross(law.force)).dot(turning), pushed = couple.dot(turning) - force.dot(u);
+  const double x = pushed > 0.0 ? largest_gain * std::max(0.0, braked) / pushed : std::numeric_limits<double>::infinity();
+  const double share = x > 0.0 ? std::pow(1.0 + std::pow(1.0 / x, 8), -0.125) : 0.0;
+  takes[Term::correction] = {share * force, share * (couple + arm.cross(force))};
   return takes;
 }
 

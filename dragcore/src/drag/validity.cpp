@@ -9,6 +9,7 @@
 
 #include "body/extents.hpp"
 #include "drag/check.hpp"
+#include "drag/corrected_flow.hpp"
 #include "drag/relative_flow.hpp"
 
 namespace dragcore {
@@ -60,6 +61,8 @@ std::string to_string(Doubt doubt) {
       return "uneven wind";
     case Doubt::drag_crisis:
       return "drag crisis";
+    case Doubt::not_calibrated:
+      return "not calibrated";
   }
   throw std::invalid_argument("not a doubt");
 }
@@ -93,6 +96,11 @@ Validity validity(const Surface& surface, const Motion& motion, const Medium& me
     if (speed > 0.0 && reynolds < 1e4)
       doubt(Doubt::low_reynolds, "Re is " + text(reynolds) + "; the laws are fitted at 1e5 and lack the friction of anything below 1e4");
   }
+  const bool corrected = is_corrected(model);
+  if (corrected && reynolds > 0.0 &&
+      (3.0 * reynolds < model.correction->least_reynolds || reynolds > 3.0 * model.correction->most_reynolds))
+    doubt(Doubt::not_calibrated, "Re is " + text(reynolds) + "; this body was calibrated from " + text(model.correction->least_reynolds) +
+                                     " to " + text(model.correction->most_reynolds));
   if (!surface.convex && !surface.exposed)
     doubt(Doubt::not_exposed, "the mesh is not convex, and nobody looked which walls stand in the wind of others: use expose()");
   if (!surface.convex && surface.exposed && !surface.exposure)
@@ -115,7 +123,8 @@ Validity validity(const Surface& surface, const Motion& motion, const Medium& me
   if (spin > travel && spin > 0.0) doubt(Doubt::spin, "points move faster by spin than by travel; torques of spin are 15 to 65 % too low");
   if (speed > 0.0 && motion.wind_gradient.norm() * surface.radius > travel / 3.0)
     doubt(Doubt::uneven_wind, "the wind varies over the body by more than a third of the speed");
-  if (!(travel > 0.0)) return found;
+  // What a class does not know of shapes is what a calibration finds of one.
+  if (!(travel > 0.0) || corrected) return found;
 
   const Vector3d direction = flow.at_centre(main) / travel;
   const PrincipalBox box = box_of(surface, main);

@@ -235,15 +235,20 @@ LawFile read_law(const std::filesystem::path& file) {
   return parse_law(text, file.string());
 }
 
-void write_law(const std::filesystem::path& file, const LawFile& law) {
+std::string law_text(const LawFile& law) {
   validate(law.law);
-  const std::string text = to_toml(law);
+  std::string text = to_toml(law);
   // A name that is missing, text that is not UTF-8: whatever the reader would refuse or take for something else is refused now.
   try {
-    if (parse_law(text, file.string()) != law) throw std::runtime_error("name or provenance holds text that is not UTF-8");
+    if (parse_law(text, law.law.name) != law) throw std::runtime_error("name or provenance holds text that is not UTF-8");
   } catch (const std::runtime_error& fault) {
     throw std::invalid_argument(std::string("write_law: the file could not be read again: ") + fault.what());
   }
+  return text;
+}
+
+void write_law(const std::filesystem::path& file, const LawFile& law) {
+  const std::string text = law_text(law);
   const std::filesystem::path partial = file.string() + ".partial";
   std::ofstream out(partial, std::ios::binary);
   if (!(out << text).flush()) {

@@ -27,6 +27,7 @@ bool is_on(Term term, const kernels::ResolvedLaw& law) {
       return law.curvature;
     case Term::friction:
       return law.friction || law.viscous;
+    case Term::correction:
     case Term::count:
       break;
   }

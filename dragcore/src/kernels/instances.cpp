@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "drag/corrected_flow.hpp"
 #include "drag/viscous.hpp"
 #include "kernels/instance_kernel.hpp"
 #include "kernels/part_flow.hpp"
@@ -88,7 +89,9 @@ bool varies(const Motion& motion) {
 }
 
 bool instanced(const Surface& surface, const Model& model) {
-  if (!know(surface, model) || surface.parts.size() != 1 || surface.exposure || model.quadrature == Quadrature::adaptive) return false;
+  if (!know(surface, model) || surface.parts.size() != 1 || surface.exposure || is_corrected(model) ||
+      model.quadrature == Quadrature::adaptive)
+    return false;
   if (surface.packed->groups.size() > small_shape || (model.check && !FoldedModel::of(model).valid)) return false;
   return !(at_rest(surface, model).has<Effect::base_suction>() && model.law_of(surface.parts[0].body_class).aspect_gain != 0.0);
 }

@@ -49,7 +49,7 @@ struct PartTask {
 
 /// Sums over a part, of every term: force, and torque about its origin. In units of density/2 speed^2 area, times length.
 struct PartSums {
-  std::array<std::array<double, 6>, static_cast<std::size_t>(Term::count)> terms{};
+  std::array<std::array<double, 6>, static_cast<std::size_t>(Term::correction)> terms{};  // the last is no sum over triangles
   double taken = 0.0, given = 0.0;  ///< power of what holds the body back, and of what pushes it; times speed
 };
 PartSums part_sums(const PartTask& task);

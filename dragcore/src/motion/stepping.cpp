@@ -8,6 +8,7 @@
 #include <string>
 
 #include "drag/check.hpp"
+#include "drag/corrected_flow.hpp"
 #include "drag/energy_balance.hpp"
 #include "drag/secant.hpp"
 #include "support/cross_matrix.hpp"
@@ -131,15 +132,19 @@ Matrix6d resistance(const Surface& surface, const Motion& motion, const Medium& 
   const ActiveEffects active(motion, model);
   // In a wind that varies, power against the wind at the reference point may be anything, and S v is not the wrench anyway: wind_excess()
   // has what pushes too.
-  if (secant.given_power > 0.0 && !active.has<Effect::wind_variation>()) {
-    // What pushes has no secant matrix of its own that is not negative. Broyden's update (BFGS) turns S into the nearest one that is
-    // positive and whose product with the relative velocity is the whole wrench: (total . velocity) is its power, which the energy balance
-    // keeps positive.
+  if ((secant.given_power > 0.0 || is_corrected(model)) && !active.has<Effect::wind_variation>()) {
+    // What pushes, and what corrects, has no secant matrix of its own that is not negative. Broyden's update (BFGS) turns S into the
+    // nearest one that is positive and whose product with the relative velocity is the whole wrench: (total . velocity) is its power, which
+    // the energy balances keep positive.
     Vector6d velocity = -relative(motion);
     if (!active.has<Effect::spin>()) velocity.tail<3>().setZero();  // not felt
     EnergyBalance balance;
     balance.add(velocity.dot(s * velocity), secant.given_power);
-    const Vector6d total = s * velocity + balance.gain_share() * secant.given;
+    Vector6d total = s * velocity + balance.gain_share() * secant.given;
+    if (is_corrected(model)) {
+      const Wrench more = CorrectedFlow(surface, motion, medium, model).beside({total.head<3>(), total.tail<3>()});
+      total += generalised(more.force, more.torque);
+    }
     // On a root of S the update is a projection: no rounding error makes the result negative, however many digits cancel near edge-on.
     const auto factors = s.ldlt();
     Matrix6d root = factors.matrixL();
@@ -159,6 +164,32 @@ Matrix6d resistance(const Surface& surface, const Motion& motion, const Medium& 
 Vector6d wind_excess(const Wrench& total, const Matrix6d& resistance, const Motion& motion) {
   return generalised(total.force, total.torque) + resistance * relative(motion);
 }
+
+namespace {
+
+/// By central differences: a table costs next to nothing beside the sums over triangles. Its share is held fixed.
+Matrix6d correction_jacobian(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
+  Model alone = model;
+  alone.effects = alone.effects.without(Effect::correction);
+  const double share = CorrectedFlow(surface, motion, medium, model).share(wrench(surface, motion, medium, alone).total());
+  const double size = (motion.wind - motion.velocity).norm() + motion.angular_velocity.norm() * surface.radius;
+  Matrix6d slopes = Matrix6d::Zero();
+  if (!(size > 0.0) || !(surface.radius > 0.0)) return slopes;
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    // 1e-4 of the speed: its square, and the rounding of 1e-16 over it, are below 1e-8.
+    const double step = 1e-4 * size / (k < 3 ? 1.0 : surface.radius);
+    const auto at = [&](double change) {
+      Motion moved = motion;
+      (k < 3 ? moved.velocity : moved.angular_velocity)[k % 3] += change;
+      const Wrench found = CorrectedFlow(surface, moved, medium, model).wrench(share);
+      return generalised(found.force, found.torque);
+    };
+    slopes.col(k) = (at(step) - at(-step)) / (2.0 * step);
+  }
+  return slopes;
+}
+
+}  // namespace
 
 Matrix6d force_jacobian(const Surface& surface, const Motion& motion, const Medium& medium, const Model& model) {
   check_input(surface, motion, medium, model);
@@ -197,6 +228,7 @@ Matrix6d force_jacobian(const Surface& surface, const Motion& motion, const Medi
     taken -= creeping.matrix(part);
   });
   if (balance.has_gain()) taken += balance.gain_share() * given;
+  if (is_corrected(model)) taken += correction_jacobian(surface, motion, medium, model);
   if (!feels_spin(model)) taken.rightCols<3>().setZero();
   check_result(taken.allFinite(), model);
   return taken;

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "drag/check.hpp"
+#include "drag/corrected_flow.hpp"
 #include "drag/local_forces.hpp"
 #include "support/require.hpp"
 
@@ -248,6 +249,19 @@ RequiredEffects required_effects(const Scene& scene) {
       viscous ? "Stokes' resistance, and every wetted side feels up to " + text(layer) + " q"
               : (scene.medium.viscosity > 0.0 ? "the law has no viscous terms" : "the viscosity of the medium is not known"));
   if (viscous && scene.free) keep(Effect::viscous, ", the more of q the slower the body, and a free one may slow down");
+
+  // Eq. 18 in the worst direction.
+  double most_force = 0.0, most_torque = 0.0;
+  if (is_corrected(scene.model)) {
+    const DirectionMap& map = scene.model.correction->map;
+    for (int node = 0; node < map.nodes(); ++node) {
+      most_force = std::max(most_force, double{Eigen::Map<const Eigen::Vector3f>(map.row(node, 0)).norm()});
+      most_torque = std::max(most_torque, double{Eigen::Map<const Eigen::Vector3f>(map.row(node, 0) + 4).norm()});
+    }
+  }
+  add(to_string(Effect::correction), Effect::correction, q * area * most_force,
+      q * area * (most_torque * surface.radius + most_force * (surface.centre - motion.reference_point).norm()),
+      is_corrected(scene.model) ? "calibration changes the force by up to " + text(most_force) + " q A" : "the model has no correction");
 
   // Beyond pressure: what fluid_terms.hpp has.
   const double ball = surface.radius;

@@ -42,6 +42,22 @@ with tempfile.TemporaryDirectory() as folder:
     os.remove("results/reference.h5")
     run(*collect, code=0)
 
+    # One body from a wind tunnel: a law, a pillow, a map and its error on what was left out; what cannot be told apart is refused.
+    with open("box.csv", "w") as tunnel:
+        tunnel.write("shape,parameters,incidence_deg,reynolds,area_m2,C_D,u_C_D,C_L,u_C_L,source\n")
+        for incidence, drag, lift in ((0, 0.95, 0), (30, 1.6, -0.5), (60, 2.2, -0.45), (90, 2.3, 0), (45, 1.95, -0.6)):
+            tunnel.write(f"box,length=2 width=1 height=1,{incidence},1e5,1,{drag},0.03,{lift},0.03,me_2026\n")
+    words = run("calibrate", "--wind-tunnel", "box.csv", "--write", "box.h5", code=0).stdout
+    for needed in ("5 poses at Re 100000", "class law, pillow fitted", "each pose left out", "no moment tells", "Least sure", "read_calibrated()"):
+        assert needed in words, words
+    assert os.path.getsize("box.h5") > 10000
+    with open("box.csv", "a") as tunnel:
+        tunnel.write("cube,side=1,0,1e5,1,1.05,0.03,0,0.03,me_2026\n")
+    assert "two bodies" in run("calibrate", "--wind-tunnel", "box.csv", code=2).stderr
+    assert "cannot be read" in run("calibrate", "--wind-tunnel", "no.csv", code=3).stderr
+    assert "there are: " in run("calibrate", "--stored", "wing", code=2).stderr
+    assert "not of one body" in run("calibrate", "--stored", "cube", "--class-laws", code=2).stderr
+
     # What accuracy costs: an answer first; a wanted error that is no number, or a body that nobody has, is said so.
     words = run("cost", "--quick", code=0).stdout
     assert words.startswith("Nearest without CFD: ") and "Half the error of" in words and "C_D of the body" in words, words

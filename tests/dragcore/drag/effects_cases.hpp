@@ -17,6 +17,11 @@ inline Model whole_model() {
   Model model{.law = closed_law(), .pillow = {PillowForm::tilt, 0.8}};
   model.law.leeward = {0.0, 0.2, 0.1, 0.0, 0.0};
   model.law.friction = 0.02;
+  auto correction = std::make_shared<Correction>();
+  correction->map = DirectionMap::zero(1, 1);
+  for (int node = 0; node < correction->map.nodes(); ++node)
+    correction->map.set(node, 0, 0.01 * correction->map.direction(node), Eigen::Vector3d(0, 0.01, 0));
+  model.correction = correction;
   return model;
 }
 
@@ -57,6 +62,9 @@ inline void take_away(unsigned i, Model& model, Motion& motion) {
     case Effect::viscous:
       model.law.stokes = model.law.layer = 0.0;
       break;
+    case Effect::correction:
+      model.correction.reset();
+      break;
   }
 }
 
@@ -78,6 +86,7 @@ inline std::uint64_t hash_of_results(Effects effects) {
       model.law.leeward = {0.0, 0.2, 0.1, 0.0, 0.0};
       model.law.friction = 0.02;
       model.law.aspect_gain = 0.3;
+      model.correction = whole_model().correction;
     }
     model.effects = effects;
     Motion motion = hostile::motion(random);

@@ -73,6 +73,7 @@ void count_effects() {
     for (const bool others : {true, false})
       for (unsigned i = 0; i < effect_count; ++i)
         for (const std::string body : {"ball-2048", "ball-4608"}) {
+          if (effects_cases::effect(i) == Effect::correction) continue;  // costs nothing by triangle, on or off
           const Surface& surface = bench::body(body).surface;
           auto [model, motion] = scene(i, others);
           const bool is_viscous = effects_cases::effect(i) == Effect::viscous;
