@@ -196,7 +196,7 @@ std::vector<Matrix3d> symmetry_group(const dragcore::TriangleMesh& mesh) {
       shell.vertices.begin(), shell.vertices.end(), [](const Vector3d& a, const Vector3d& b) { return a.squaredNorm() < b.squaredNorm(); });
   // Facets of a ball are nearer than its corners by the square of their size: a cube of eight corners is none.
   const bool ball = shell.vertices.size() > 60 && nearest->norm() > 0.99 * farthest->norm() &&
-                    std::all_of(shell.balls.begin(), shell.balls.end(), [](const auto& ball) { return ball.first.norm() > 0.95; });
+                    std::all_of(shell.balls.begin(), shell.balls.end(), [](const auto& face) { return face.first.norm() > 0.95; });
   if (ball) return of_cube();
   std::vector<Matrix3d> found;
   for (const Matrix3d& g : candidates(shell))
