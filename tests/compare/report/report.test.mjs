@@ -281,7 +281,7 @@ test('the page of the committed references has every one of their cases', async 
   await checkPage(opened);
   const size = statSync(opened.file).size;
   assert.ok(size <= 6e6, `${size} bytes; 6 MB is what a letter carries`);
-  const table = JSON.parse(execFileSync(DRAGVAL, ['compare', '--store', store, '--format', 'json', '--output', ''], {encoding: 'utf8'}));
+  const table = JSON.parse(execFileSync(DRAGVAL, ['compare', '--store', store, '--format', 'json', '--output', ''], {encoding: 'utf8', maxBuffer: 1 << 26}));
   const {page} = opened;
   const expected = new Set(table.rows.map((row) => row.case));
   assert.ok(expected.size >= 100, `${expected.size} cases`);
