@@ -364,7 +364,26 @@ void calibrate_table(const BodyCalibration& wanted) {
 
 }  // namespace
 
+namespace {
+
+/// Before hours are spent: numbers that are none, and a file in the place of the result that is something else.
+void check_before_work(const BodyCalibration& wanted) {
+  for (const auto& [name, value] :
+       {std::pair("--reynolds", wanted.reynolds), std::pair("--area", wanted.area), std::pair("--length", wanted.length)})
+    if (!std::isfinite(value)) throw UsageError(fmt::format("{} {}: a finite number is needed", name, value));
+  if (wanted.write.empty() || !std::filesystem::exists(wanted.write)) return;
+  try {
+    dragcore::read_calibrated(wanted.write);
+  } catch (const std::exception&) {
+    throw UsageError(fmt::format("--write {}: that is there already and no calibrated model, which alone is replaced; choose another name",
+                                 wanted.write));
+  }
+}
+
+}  // namespace
+
 void calibrate_body(const BodyCalibration& wanted, const SourceOptions& source, Context& context) {
+  check_before_work(wanted);
   if (!wanted.stored.empty()) return calibrate_stored(wanted, source);
   if (!wanted.table.empty()) return calibrate_table(wanted);
   calibrate_mesh(wanted, context);

@@ -104,6 +104,13 @@ Explanation explain(const CaseOfRecord& chosen, const std::vector<PatchMean>& pa
   result.u = family.uncertainty.total[0] / scales[0];
   result.discretisation_assessed = family.uncertainty.discretisation_assessed;
   result.force_error = (wrench.total().force - record.load.force()).norm() / record.load.force().norm();
+  const auto predicted = coefficients(record, wrench.total().force, wrench.total().torque).values;
+  const Coefficients stored = coefficients(record);
+  for (int k = 1; k < 6; ++k) {
+    const double error = predicted[k] - stored.values[k], u = family.uncertainty.total[k] / scales[k];
+    if (stored.known[static_cast<std::size_t>(k)] && std::abs(error) > std::max(2.0 * u, 0.01))
+      result.also.push_back({symbol(static_cast<Channel>(k)), error, u});
+  }
   result.doubts = doubts_of(validity(record));
   for (std::size_t k = 0; k < wrench.terms.size(); ++k)
     if (const double drag = wrench.terms[k].force.x() / scales[0]; std::abs(drag) > 0.01 * std::abs(result.model))
@@ -131,6 +138,8 @@ Explanation explain(const CaseOfRecord& chosen, const std::vector<PatchMean>& pa
 
 PoseQuestion pose_question(const std::string& body, const std::string& pose, double reynolds) {
   PoseQuestion question{.body = body, .incidence_deg = {}, .yaw_deg = {}, .reynolds = reynolds};
+  if (!(reynolds > 0.0 && std::isfinite(reynolds)))
+    throw std::invalid_argument(fmt::format("--re {}: a Reynolds number above 0 is needed", reynolds));
   std::string words = pose;
   std::replace(words.begin(), words.end(), '=', ' ');
   std::istringstream stream(words);
@@ -179,9 +188,13 @@ std::string render(const Explanation& e) {
   text += fmt::format("  model:      {:.3f} by '{}'{}\n", e.model, e.model_name, e.doubts.empty() ? "" : "; it doubts itself: " + e.doubts);
   text += fmt::format("  reference:  {:.3f} ± {:.3f} ({}; one standard uncertainty{})\n", e.reference, e.u, e.method,
                       e.discretisation_assessed ? "" : ", the mesh's part not known");
-  text += fmt::format("  error:      {:+.3f} ({}; the force vector is off by {:.1f} %), {:.1f} u: {}\n", e.error(),
-                      percent(e.error() / e.reference), 100.0 * e.force_error, std::abs(e.error()) / std::max(e.u, 1e-12),
-                      e.resolved() ? "real" : "within the reference's own noise, more cannot be said");
+  text += fmt::format("  error:      of C_D {:+.3f} ({}), {:.1f} u: {}; the force vector is off by {:.1f} %", e.error(),
+                      percent(e.error() / e.reference), std::abs(e.error()) / std::max(e.u, 1e-12),
+                      e.resolved() ? "real" : "within the reference's own noise", 100.0 * e.force_error);
+  for (const Explanation::Channel& channel : e.also)
+    text += fmt::format("; real, too, is that of {}: {:+.3f} ({:.1f} u)", channel.symbol, channel.error,
+                        std::abs(channel.error) / std::max(channel.u, 1e-12));
+  text += "\n";
   std::vector<std::string> terms;
   for (const auto& [name, drag] : e.terms) terms.push_back(fmt::format("{} {:.3f}", name, drag));
   text += fmt::format("  made of:    {}", fmt::join(terms, ", "));
@@ -190,7 +203,7 @@ std::string render(const Explanation& e) {
                         e.worst_patch->model, e.worst_patch->reference);
   text += "\n  half of it: ";
   const double half = 0.5 * std::abs(e.error() / e.reference);
-  if (!e.resolved()) text += "not to be told from the noise; a better reference comes first";
+  if (!e.resolved()) text += "of C_D, not to be told from the noise: a better reference comes first";
   if (e.resolved() && e.law && std::abs(e.law->error) <= half)
     text += fmt::format("'{}' is {} off in this pose, at no more cost (dragval compare --law ... says what it is elsewhere); ", e.law->name,
                         percent(e.law->error));
@@ -217,11 +230,14 @@ nlohmann::json to_json(const Explanation& e) {
                              {"error", e.error()},
                              {"resolved", e.resolved()},
                              {"force_error", e.force_error},
+                             {"also_resolved", nlohmann::json::array()},
                              {"doubts", e.doubts},
                              {"terms", nlohmann::json::object()},
                              {"patch", nullptr},
                              {"nearest_law", nullptr},
                              {"cfd_with_half_the_error", nullptr}};
+  for (const Explanation::Channel& channel : e.also)
+    document["also_resolved"].push_back({{"channel", channel.symbol}, {"error", channel.error}, {"u", channel.u}});
   for (const auto& [name, drag] : e.terms) document["terms"][name] = drag;
   if (e.worst_patch)
     document["patch"] = {{"name", e.worst_patch->name}, {"model", e.worst_patch->model}, {"reference", e.worst_patch->reference}};

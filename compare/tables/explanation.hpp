@@ -31,6 +31,11 @@ struct Explanation {
   std::string method;                            ///< of the reference: "k_omega_sst, fine, 110,432 cells"
   double model = 0.0, reference = 0.0, u = 0.0;  ///< C_D; u one standard uncertainty, mesh and method included as far as known
   bool discretisation_assessed = false;
+  struct Channel {
+    std::string symbol;
+    double error = 0.0, u = 0.0;
+  };
+  std::vector<Channel> also;                          ///< other channels whose error is real: beyond 2u and a hundredth
   double force_error = 0.0;                           ///< |F_model - F_reference| / |F_reference|
   std::string doubts;                                 ///< why the model may be wrong here, in its own words
   std::vector<std::pair<std::string, double>> terms;  ///< of the model's C_D, those beyond a hundredth of it, largest first

@@ -235,6 +235,11 @@ with tempfile.TemporaryDirectory() as folder:
     assert "gate passed" in run("gate", "--format", "md", code=0).stdout
     assert "junit" in run("gate", "--format", "xml", code=2).stderr
     assert "--solved" in run("gate", "--solved-budget", "1%", code=2).stderr
+    precious = open("mine.json").read()
+    refused = run("calibrate", "--stored", "cube", "--write", "mine.json", code=2).stderr
+    assert "mine.json" in refused and "no calibrated model" in refused and open("mine.json").read() == precious, refused
+    assert "finite" in run("calibrate", "--stored", "cube", "--reynolds", "nan", code=2).stderr
+    assert "above 0" in run("explain", "cube", "yaw 30", "--re", "nan", code=2).stderr
     assert "dragval run seeds" in run("odds", "--solved", "cache", code=2).stderr
     baseline = json.load(open("results/baselines/quick.json"))
     some_case = baseline["planned"][0]
