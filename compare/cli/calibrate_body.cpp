@@ -219,8 +219,8 @@ struct PoseMatrix {
   PoseMatrix(const BodyCalibration& wanted, const dragcore::MeshBody& body) {
     const fs::path folder = fs::path(wanted.cache) / "calibrate";
     fs::create_directories(folder);
-    dragcore::write_stl(folder / (body.name + ".stl"), *body.mesh);
     file = folder / fmt::format("{}-re-{:g}.toml", body.name, wanted.reynolds);
+    keep_triangles(folder / (body.name + ".stl"), body, wanted.mesh);
     if (std::ifstream in(file); in) {
       text = {std::istreambuf_iterator<char>(in), {}};
       std::set<std::string> seen;
@@ -239,12 +239,31 @@ struct PoseMatrix {
         wanted.mesh, wanted.reynolds, wanted.reynolds < 1e4 ? "laminar" : "k_omega_sst", levels);
   }
 
+  /// Triangles under a name that poses were planned for stay those.
+  void keep_triangles(const fs::path& stl, const dragcore::MeshBody& body, const std::string& mesh) const {
+    const auto bytes = [](const fs::path& path) {
+      std::ifstream in(path, std::ios::binary);
+      return std::string{std::istreambuf_iterator<char>(in), {}};
+    };
+    const fs::path now = stl.string() + ".partial";
+    dragcore::write_stl(now, *body.mesh);
+    const bool another = fs::exists(file) && fs::exists(stl) && bytes(now) != bytes(stl);
+    if (another)
+      fs::remove(now);
+    else
+      fs::rename(now, stl);
+    if (another)
+      throw UsageError(fmt::format("{}: other triangles than {}, for which {} has poses; rename the mesh, or give it a --cache of its own",
+                                   mesh, stl.string(), file.string()));
+  }
+
   void add(const std::vector<Vector3d>& more, const dragcore::MeshBody& body, const std::vector<Eigen::Matrix3d>& group) {
     if (more.empty()) return;
     for (const Vector3d& direction : more) {
       text += sweep_text(body, compare::pose_towards(direction, group));
       directions.push_back(direction);
     }
+    cfd_cases::parse_matrix(text, file);  // what it would refuse is never written
     const fs::path partial = file.string() + ".partial";
     if (!(std::ofstream(partial) << text).flush()) throw EnvironmentError(fmt::format("{} cannot be written", file.string()));
     fs::rename(partial, file);

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -238,6 +239,15 @@ with tempfile.TemporaryDirectory() as folder:
     precious = open("mine.json").read()
     refused = run("calibrate", "--stored", "cube", "--write", "mine.json", code=2).stderr
     assert "mine.json" in refused and "no calibrated model" in refused and open("mine.json").read() == precious, refused
+    # A typo leaves nothing behind, and poses of one body are not those of another of the same name.
+    bracket = os.path.join(SOURCE, "cfd_cases/bodies/l_bracket.stl")
+    of_mesh = ("calibrate", "--mesh", bracket, "--dry-run", "--poses", "3", "--cache", "of_mesh")
+    assert "coarze" in run(*of_mesh, "--levels", "coarze", code=2).stderr
+    run(*of_mesh, "--levels", "coarse", code=0)
+    os.mkdir("alt")
+    shutil.copy(os.path.join(SOURCE, "cfd_cases/bodies/cup.stl"), "alt/l_bracket.stl")
+    refused = run("calibrate", "--mesh", "alt/l_bracket.stl", "--dry-run", "--cache", "of_mesh", code=2).stderr
+    assert "other triangles" in refused and "--cache" in refused, refused
     assert "finite" in run("calibrate", "--stored", "cube", "--reynolds", "nan", code=2).stderr
     assert "above 0" in run("explain", "cube", "yaw 30", "--re", "nan", code=2).stderr
     assert "dragval run seeds" in run("odds", "--solved", "cache", code=2).stderr
