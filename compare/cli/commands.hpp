@@ -95,6 +95,9 @@ struct Sources {
 };
 Sources load(const SourceOptions& options);
 
+/// Runs of a cache folder that --solved names. @throws EnvironmentError  when there is no such folder
+std::vector<compare::CaseRecord> solved_again(const std::string& cache);
+
 /// Revision of the tree that the program works in, for provenance; "unknown" outside a repository.
 std::string revision();
 

@@ -43,7 +43,7 @@ void add_gate(CLI::App& app, Context& context) {
     compare::GateResult result = compare::run_gate(baseline, records, watched_models(*command, options->model));
     if (!options->solved.empty())
       result.checks.push_back(
-          compare::check_solved_again(baseline, records, compare::read_runs(std::filesystem::path(options->solved) / "runs"),
+          compare::check_solved_again(baseline, records, solved_again(options->solved),
                                       options->solved_budget.empty() ? 0.0 : share_from("--solved-budget", options->solved_budget)));
     std::cout << compare::render(result, format, ::isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR"));
     // An incomplete comparison says nothing, whatever the checks made of the rest.

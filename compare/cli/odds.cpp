@@ -31,7 +31,7 @@ void add_odds(CLI::App& app, Context& context) {
     const compare::Format format = compare::format_from(options->json ? "json" : options->format);
     const compare::Baseline baseline = compare::read_baseline(options->baseline);
     std::vector<compare::CaseRecord> solved;
-    if (!options->solved.empty()) solved = compare::read_runs(std::filesystem::path(options->solved) / "runs");
+    if (!options->solved.empty()) solved = solved_again(options->solved);
     const compare::Odds odds = compare::gate_odds(baseline, load(options->source).reference.cases, solved);
     if (!options->solved.empty() && odds.repeats == 0)
       throw UsageError(

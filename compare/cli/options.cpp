@@ -134,6 +134,13 @@ Sources load(const SourceOptions& options) {
   return sources;
 }
 
+std::vector<compare::CaseRecord> solved_again(const std::string& cache) {
+  if (!std::filesystem::is_directory(cache))
+    throw EnvironmentError(fmt::format("--solved {}: there is no such cache folder in {}; dragval run smoke --cache {} makes one", cache,
+                                       std::filesystem::current_path().string(), cache));
+  return compare::read_runs(std::filesystem::path(cache) / "runs");
+}
+
 std::string revision() {
   std::string text;
   if (std::FILE* pipe = ::popen("git describe --always --dirty 2>/dev/null", "r")) {

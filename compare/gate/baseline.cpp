@@ -117,8 +117,11 @@ Baseline make_baseline(const std::vector<case_record::CaseRecord>& records, cons
 Baseline read_baseline(const std::filesystem::path& path) {
   std::ifstream file(path);
   if (!file)
-    throw std::invalid_argument(fmt::format(
-        "no baseline at {}; restore it from version control, or make one: dragval baseline accept --reason \"...\"", path.string()));
+    throw std::invalid_argument(
+        fmt::format("no baseline at {0}; restore it from version control, or make one: dragval baseline accept --baseline {0} --reason "
+                    "\"...\", with the "
+                    "--law of the gate where it has one",
+                    path.string()));
   try {
     const json document = json::parse(file);
     if (document.at("schema") != schema)

@@ -250,6 +250,7 @@ with tempfile.TemporaryDirectory() as folder:
     assert "other triangles" in refused and "--cache" in refused, refused
     assert "finite" in run("calibrate", "--stored", "cube", "--reynolds", "nan", code=2).stderr
     assert "above 0" in run("explain", "cube", "yaw 30", "--re", "nan", code=2).stderr
+    assert "nocache" in run("gate", "--solved", "nocache", code=3).stderr
     assert "dragval run seeds" in run("odds", "--solved", "cache", code=2).stderr
     baseline = json.load(open("results/baselines/quick.json"))
     some_case = baseline["planned"][0]
