@@ -247,14 +247,12 @@ struct PoseMatrix {
     };
     const fs::path now = stl.string() + ".partial";
     dragcore::write_stl(now, *body.mesh);
-    const bool another = fs::exists(file) && fs::exists(stl) && bytes(now) != bytes(stl);
-    if (another)
+    if (fs::exists(file) && fs::exists(stl) && bytes(now) != bytes(stl)) {
       fs::remove(now);
-    else
-      fs::rename(now, stl);
-    if (another)
       throw UsageError(fmt::format("{}: other triangles than {}, for which {} has poses; rename the mesh, or give it a --cache of its own",
                                    mesh, stl.string(), file.string()));
+    }
+    fs::rename(now, stl);
   }
 
   void add(const std::vector<Vector3d>& more, const dragcore::MeshBody& body, const std::vector<Eigen::Matrix3d>& group) {

@@ -102,6 +102,10 @@ void write_calibrated(const std::filesystem::path& path, const CalibratedModel& 
     return pillow.form == PillowForm::none ? std::array{0.0, 0.0} : std::array{pillow.factor, pillow.viscous_gain};
   };
   const auto own = pillow_numbers(model.pillow), of_sheets = model.sheets ? pillow_numbers(model.sheets->pillow) : own;
+  const auto error = numbers_of(calibrated.error);
+  if (!std::isfinite(calibrated.most_mach) || !std::all_of(error.begin(), error.end(), [](double x) { return std::isfinite(x); }))
+    throw std::invalid_argument(
+        "write_calibrated: an error or the Mach number is not finite, which no reader would take; look at what the model was fitted to");
   const std::string law = law_text({model.law, calibrated.provenance});
   const std::string sheet_law = model.sheets ? law_text({model.sheets->law, {}}) : "";
   hdf5::write({"calibrated model", path}, calibrated_schema, [&](const hdf5::File& file, hid_t root) {
@@ -120,7 +124,6 @@ void write_calibrated(const std::filesystem::path& path, const CalibratedModel& 
     numbers("pillow", model.sheets ? std::vector{own[0], own[1], of_sheets[0], of_sheets[1]} : std::vector{own[0], own[1]},
             "factor of the tilt form and its gain with viscosity; of sheets, too, where there are both");
     numbers("most_mach", {calibrated.most_mach}, "beyond it nothing is known");
-    const auto error = numbers_of(calibrated.error);
     numbers("error", {error.begin(), error.end()},
             "in poses left out: mean and worst of force, of drag and of moment; mean u of the references; number of poses");
     const DirectionMap& map = model.correction->map;

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <dragcore/calibrated_file.hpp>
 #include <fstream>
+#include <limits>
 
 #include "tests/support/folder.hpp"
 #include "tests/support/zoo.hpp"
@@ -105,4 +106,9 @@ TEST_CASE("files that are no calibrated model, damaged or of another version are
   CHECK(refused > 10);
   Model plain;
   CHECK_THROWS_WITH(write_calibrated(folder.path / "body.h5", {.model = plain}), Contains("no correction"));
+  // What a reader would refuse is not written: of a table with a C_D of 1e300 a model was.
+  CalibratedModel made = sample();
+  made.error.worst_moment = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THROWS_WITH(write_calibrated(folder.path / "nan.h5", made), Contains("not finite"));
+  CHECK_FALSE(std::filesystem::exists(folder.path / "nan.h5"));
 }
